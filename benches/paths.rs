@@ -46,9 +46,11 @@ fn sea(facets: usize) -> Sea {
         realisation: Realisation::Drawn { averaging: Averaging::Automatic },
         patch: Patch::new([facets as f64, facets as f64], 1.0, [0.0, 0.0]).expect("a patch"),
         place: PatchPlace::Fixed,
+        waves: Default::default(),
         scattering: FacetScattering { tilt_average: false, ..FacetScattering::default() },
         shadow: Some(Shadowing::default()),
         slicks: Vec::new(),
+        land: None,
     }
 }
 
@@ -82,6 +84,8 @@ fn scene(facets: usize) -> Scene {
             window: Window { samples: 384, gate: Gate::Fixed { start_s: 26.8e-6 } },
             losses_db: 0.0,
             atmosphere_db_per_km: 0.0,
+            rain_mmph: 0.0,
+            rain_clutter: None,
             noise_figure_db: None,
             adc: None,
             direct_path: false,
@@ -170,6 +174,7 @@ fn scattering(c: &mut Criterion) {
         slope_y: &batch.slope[1],
         cover: &batch.cover,
         phasors: &batch.phasors,
+        modulation: &[],
         footprint_m2: 1.0,
     };
     let mut outs = [(); 2].map(|()| [(); 4].map(|()| vec![Complex64::ZERO; FACETS]));

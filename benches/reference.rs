@@ -70,6 +70,8 @@ fn receive(c: &mut Criterion) {
         window: Window { samples: 286, gate: Gate::Fixed { start_s: 0.0 } },
         losses_db: 0.0,
         atmosphere_db_per_km: 0.0,
+        rain_mmph: 0.0,
+        rain_clutter: None,
         noise_figure_db: Some(3.0),
         adc: None,
         direct_path: false,

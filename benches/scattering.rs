@@ -85,6 +85,7 @@ fn run<K: Kind>(c: &mut Criterion, name: &str, cover: f64, sea: &TwoScale<K, imp
         slope_y: &patch.slopes[1],
         cover: &patch.cover,
         phasors: &patch.phasors,
+        modulation: &[],
         footprint_m2: 1.0,
     };
     let mut group = c.benchmark_group("facets");

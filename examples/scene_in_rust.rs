@@ -63,6 +63,8 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
             window: Window { samples: 256, gate: Gate::Fixed { start_s: WINDOW_START_S } },
             losses_db: 0.0,
             atmosphere_db_per_km: 0.0,
+            rain_mmph: 0.0,
+            rain_clutter: None,
             noise_figure_db: Some(4.0),
             adc: None,
             direct_path: false,

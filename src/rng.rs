@@ -29,6 +29,14 @@ pub enum Room {
     FacetDecorrelation = 21,
     /// Travelling Bragg waves of a sea facet: as above.
     FacetBragg = 22,
+    /// Breaking waves: index = numbers of a cell of the sea (32 bits each), part = slot of time (two's
+    /// complement).
+    Breaker = 23,
+    /// Random phases of a facet of land: as above.
+    LandPhase = 25,
+    /// Drops of rain: index = numbers of a box of space (21 bits each), part = slot of time * 256 + level of
+    /// the box.
+    RainDrop = 40,
     /// Bytes of a recording that are corrupted on purpose.
     SpoiledBytes = 48,
     /// Errors of a platform's report: index = platform * 256 + axis, part = epoch of the report (two's

@@ -66,6 +66,21 @@ pub fn cos_sin_of_turns(turns: f64) -> (f32, f32) {
     (1.0 - 2.0 * s * s, 2.0 * s * c)
 }
 
+/// Cosine and sine of an angle in degrees, exact at right angles: straight back is straight back, and
+/// crosswind is neither up- nor downwind.
+pub(crate) fn cos_sin_of_degrees(angle_deg: f64) -> (f64, f64) {
+    match angle_deg.rem_euclid(360.0) {
+        0.0 => (1.0, 0.0),
+        90.0 => (0.0, 1.0),
+        180.0 => (-1.0, 0.0),
+        270.0 => (0.0, -1.0),
+        turned => {
+            let (sin, cos) = turned.to_radians().sin_cos();
+            (cos, sin)
+        }
+    }
+}
+
 /// A scaled figure without the last digits that scaling made up.
 pub(crate) fn neat(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)

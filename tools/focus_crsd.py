@@ -52,6 +52,7 @@ class File:
     """What a processor needs of a CRSD file."""
 
     def __init__(self, path):
+        self.path = path
         try:
             self.file = open(path, "rb")
             self.reader = sarkit.crsd.Reader(self.file)
@@ -67,7 +68,14 @@ class File:
         plane = "{*}SceneCoordinates/{*}ReferenceSurface/{*}Planar/{*}"
         self.axes = np.array([load(plane + "uIAX"), load(plane + "uIAY")])
         self.channels = [x.text for x in self.xml.findall("{*}Channel/{*}Parameters/{*}Identifier")]
-        self.replica = self.reader.read_support_array("replica", masked=False)[0].astype(complex)
+        self.replica = self.read(self.reader.read_support_array, "replica", masked=False)[0].astype(complex)
+
+    def read(self, reader, what, **options):
+        """A block of the file; ends the program where it is not there."""
+        try:
+            return reader(what, **options)
+        except (EOFError, OSError, ValueError) as error:
+            sys.exit(f"error: {self.path}: {what} cannot be read, the file is cut short or damaged ({error})")
 
     def points(self, x_m, y_m):
         """Points of the scene's plane, Earth-centred, [y, x, 3]."""
@@ -85,8 +93,8 @@ class Channel:
     def __init__(self, file, name):
         parameters = file.xml.find(f"{{*}}Channel/{{*}}Parameters[{{*}}Identifier='{name}']")
         self.fs = float(parameters.findtext("{*}Fs"))
-        signal, pvp = file.reader.read_channel(name)
-        ppp = file.reader.read_ppps(parameters.findtext("{*}SARImage/{*}TxId"))
+        signal, pvp = file.read(file.reader.read_channel, name)
+        ppp = file.read(file.reader.read_ppps, parameters.findtext("{*}SARImage/{*}TxId"))
         self.samples = samples(signal, pvp["AmpSF"])
         self.sent = seconds(ppp["TxTime"])
         self.transmitter = Path(self.sent, ppp["TxPos"].astype(float))

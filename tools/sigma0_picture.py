@@ -22,6 +22,11 @@ INCIDENCE_DEG = (0, 10, 20, 30, 45, 60, 70, 80, 85, 89)
 ASPECTS_DEG = range(0, 360, 15)
 # Strongest wind, m/s, and least incidence, degrees, of the empirical model.
 NRL_MOST_MPS, NRL_LEAST_DEG = 12.9, 30
+# Grazing angles, degrees, and winds of the table of breaking waves; winds of that of cross-polarisation, with
+# what Vachon and Wolfe 2011 and Hwang et al. 2010 measured at 35 degrees in C band, dB.
+BREAKING_DEG, BREAKING_MPS = (3, 5, 7, 10), (5.0, 8.0, 10.0, 12.9)
+CROSS = {5.0: -33, 10.0: -30, 15.0: -27}
+CROSS_SEA = "--kind elfouhaily --carrier-hz 5.3e9 --incidence-deg 35"
 COLUMNS = ("upwind", "azimuth mean", "mars2007, upwind", "NRL")
 # docs/physics.md section 10.6: X band, upwind, 10 m/s, specular part undamped: incidence, HH and VV, dB.
 SPECIFIED = (
@@ -77,9 +82,55 @@ def table(found):
     return "\n".join(lines)
 
 
+def with_breaking(nereus, keys, channel):
+    """Azimuth means without and with breaking waves, by incidence: {degrees: (dB, dB)}."""
+    found = {}
+    for row in rows(nereus, f"sigma0 {keys} --breaking --aspect-deg {','.join(str(aspect) for aspect in ASPECTS_DEG)}"):
+        ratio = [10 ** (row[f"{part}_{channel}_db"] / 10) for part in ("spm", "go", "sigma0")]
+        sums = found.setdefault(row["incidence_deg"], [0.0, 0.0])
+        sums[0] += (ratio[0] + ratio[1]) / len(ASPECTS_DEG)
+        sums[1] += ratio[2] / len(ASPECTS_DEG)
+    return {angle: decibels(sums) for angle, sums in found.items()}
+
+
+def grazing_curves(nereus, wind_mps, grazing_deg):
+    """Per channel: without breaking waves, with them, and the NRL model, at grazing angles."""
+    listed = ",".join(f"{90 - angle:g}" for angle in grazing_deg)
+    nrl = rows(nereus, f"sigma0-nrl --carrier-hz 10e9 --wind-mps {wind_mps:g} --grazing-deg {','.join(f'{angle:g}' for angle in grazing_deg)}")
+    found = {}
+    for channel in ("hh", "vv"):
+        ours = list(with_breaking(nereus, f"{SEA} --wind-mps {wind_mps:g} --incidence-deg {listed}", channel).values())
+        found[channel] = [(*own, row[f"sigma0_{channel}_db"]) for own, row in zip(ours, nrl)]
+    return found
+
+
+def breaking_table(nereus):
+    lines = ["| wind, m/s | grazing | HH without | HH with | HH NRL | VV without | VV with | VV NRL | HH/VV with | HH/VV NRL |",
+             "| ---: |" + " ---: |" * 9]
+    for wind_mps in BREAKING_MPS:
+        found = grazing_curves(nereus, wind_mps, BREAKING_DEG)
+        for angle, hh, vv in zip(BREAKING_DEG, found["hh"], found["vv"]):
+            cells = [*hh, *vv, hh[1] - vv[1], hh[2] - vv[2]]
+            lines.append(f"| {wind_mps:g} | {angle} | " + " | ".join(f"{cell:.1f}" for cell in cells) + " |")
+    return "\n".join(lines)
+
+
+def cross_table(nereus):
+    lines = ["| wind, m/s | without | with | measured |", "| ---: | ---: | ---: | ---: |"]
+    for wind_mps, measured in CROSS.items():
+        (without, with_them), = with_breaking(nereus, f"{CROSS_SEA} --wind-mps {wind_mps:g}", "hv").values()
+        lines.append(f"| {wind_mps:g} | {without:.1f} | {with_them:.1f} | {measured} |")
+    return "\n".join(lines)
+
+
 def rewrite(page, nereus):
-    """Puts fresh tables under the headings of the winds."""
+    """Puts fresh tables under the headings of the winds, and of breaking waves."""
     text = page.read_text()
+    for heading, fresh in (("Grazing angles", breaking_table(nereus)), ("Cross-polarisation", cross_table(nereus))):
+        pattern = re.compile(rf"(^### {heading}$\n\n)(?:\|.*\n)*", re.MULTILINE)
+        text, count = pattern.subn(lambda found: f"{found[1]}{fresh}\n", text)
+        if count != 1:
+            sys.exit(f"{page}: there must be one heading '### {heading}'")
     for wind_mps in WINDS_MPS:
         fresh = table(curves(nereus, wind_mps, INCIDENCE_DEG))
         pattern = re.compile(rf"(^### {wind_mps:g} m/s$\n\n)(?:\|.*\n)*", re.MULTILINE)
@@ -132,17 +183,50 @@ def draw(picture, nereus):
     figure.savefig(picture, dpi=100)
 
 
+def draw_breaking(picture, nereus):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    grazing = (1, 2, 3, 4, 5, 7, 10, 15, 20, 30)
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4.5), layout="constrained")
+    for axis, channel in zip(axes, ("hh", "vv")):
+        for colour, (wind_mps, sea_state) in zip(("C0", "C1", "C3"), ((5.0, 2), (10.0, 4), (NRL_MOST_MPS, 6))):
+            without, with_them, nrl = zip(*grazing_curves(nereus, wind_mps, grazing)[channel])
+            axis.plot(grazing, without, f"{colour}:", label=f"{wind_mps:g} m/s, none breaking")
+            axis.plot(grazing, with_them, f"{colour}-", label=f"{wind_mps:g} m/s, breaking")
+            axis.plot(grazing, nrl, f"{colour}--", label="NRL model")
+            incidence, level = measured_points(channel, sea_state)
+            axis.plot([90 - angle for angle in incidence], level, f"{colour}o", mfc="none", label=f"Nathanson, sea state {sea_state}")
+        axis.set(title=f"{channel.upper()}, X band, azimuth mean", xlabel="grazing angle, degrees", xlim=(1, 30), ylim=(-75, -10), xscale="log")
+        axis.set_xticks((1, 3, 10, 30), ("1", "3", "10", "30"))
+    axes[0].set_ylabel("sigma0, dB")
+    winds = range(3, 18)
+    found = [next(iter(with_breaking(nereus, f"{CROSS_SEA} --wind-mps {wind}", "hv").values())) for wind in winds]
+    axes[2].plot(winds, [own[0] for own in found], "C0:", label="none breaking")
+    axes[2].plot(winds, [own[1] for own in found], "C0-", label="breaking")
+    axes[2].plot(CROSS.keys(), CROSS.values(), "ko", mfc="none", label="measured, about")
+    axes[2].set(title="HV, C band, 35 degrees, azimuth mean", xlabel="wind at 10 m, m/s")
+    for axis in axes:
+        axis.grid(alpha=0.3)
+        axis.legend(fontsize=7)
+    figure.savefig(picture, dpi=100)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--nereus", default=str(PACKAGE / "target/release/nereus"))
     parser.add_argument("--page", type=pathlib.Path, default=PACKAGE / "docs/sigma0.md")
     parser.add_argument("--picture", type=pathlib.Path, default=PACKAGE / "docs/sigma0.png")
+    parser.add_argument("--breaking-picture", type=pathlib.Path, default=PACKAGE / "docs/sigma0_breaking.png")
     parser.add_argument("--no-picture", action="store_true")
     arguments = parser.parse_args()
     rewrite(arguments.page, arguments.nereus)
     if not arguments.no_picture:
         try:
             draw(arguments.picture, arguments.nereus)
+            draw_breaking(arguments.breaking_picture, arguments.nereus)
         except ImportError as missing:
             sys.exit(f"{missing}; install with: pip install matplotlib, or ask for --no-picture")
 

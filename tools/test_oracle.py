@@ -333,6 +333,7 @@ averaging = "points"
 [sea.scattering]
 tilt_average = false
 light_wind = "published"
+bragg = "frozen"
 [sea.shadow]
 enabled = false
 [radar]
@@ -629,6 +630,7 @@ class Whole(Judge):
             ('averaging = "points"', ""),
             ('averaging = "points"', 'averaging = "cells"'),
             ('averaging = "points"', 'averaging = "points"\nfoam = 1'),
+            ('averaging = "points"', 'averaging = "points"\nwaves = "choppy"'),
             ("tilt_average = false", "tilt_average = true"),
             ("tilt_average = false", ""),
             ('light_wind = "published"', ""),

@@ -246,7 +246,9 @@ def _case(blob, case, call):
         return pickle.loads(call)(pickle.loads(blob).set({"stream.threads": _threads(), **case}))
     except Exception as error:
         frame = traceback.extract_tb(error.__traceback__)[-1]
-        text = f"{type(error).__name__}: {error} ({os.path.basename(frame.filename)}, line {frame.lineno}, in {frame.name})"
+        # cloudpickle sends functions of scripts without the name of their file, from version 3.1.3 on.
+        file = "" if frame.filename.startswith("<") else f"{os.path.basename(frame.filename)}, "
+        text = f"{type(error).__name__}: {error} ({file}line {frame.lineno}, in {frame.name})"
         try:
             pickle.loads(_pickled(error))
         except Exception:  # not every exception can be sent

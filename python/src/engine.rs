@@ -171,10 +171,10 @@ impl Engine {
         guarded(|| {
             let [x_m, y_m] = map.axes_m();
             let (fields, units) = (PyDict::new(py), PyDict::new(py));
-            for (name, unit, _, values) in map.layers() {
-                let values = PyArray1::from_slice(py, values).reshape([y_m.len(), x_m.len()])?;
-                fields.set_item(name, values)?;
-                units.set_item(name, unit)?;
+            for layer in map.layers() {
+                let values = PyArray1::from_slice(py, layer.values).reshape([y_m.len(), x_m.len()])?;
+                fields.set_item(layer.name, values)?;
+                units.set_item(layer.name, layer.unit)?;
             }
             let figures = object(py, &map.summary())?;
             Ok((x_m.into_pyarray(py), y_m.into_pyarray(py), fields, units, figures))

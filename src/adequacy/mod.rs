@@ -250,7 +250,9 @@ pub enum SeaWarning {
         limit_radpm: f64,
     },
     /// Nothing that could echo.
-    #[error("ship \"{ship}\" has echo = true, but its hull has no [[scatterer]]: it returns nothing")]
+    #[error(
+        "ship \"{ship}\" has echo = true, but mesh = false and its hull has no [[scatterer]]: it returns nothing"
+    )]
     NoScatterers {
         /// The ship.
         ship: String,

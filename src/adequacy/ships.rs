@@ -10,8 +10,10 @@ use serde::Serialize;
 use super::{Adequacy, SeaWarning, View};
 use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
+use crate::scene::ship::ShipMotion;
 use crate::scene::{Patch, Ship};
 use crate::sea::fleet::{self, FleetError, ShipError};
+use crate::sea::seakeeping::Seakeeping;
 use crate::sea::wake::kochin::{Kochin, Transom};
 use crate::sea::wake::{Presence, Reach, Settings, Wake};
 
@@ -46,6 +48,10 @@ pub struct ShipOutlook {
     pub waves: &'static str,
     /// Scatterers that its file gives.
     pub scatterers: usize,
+    /// Panels of its mesh, where they echo.
+    pub panels: usize,
+    /// Natural period of roll, s, where it rides the waves.
+    pub roll_period_s: Option<f64>,
     /// The particular that is furthest from what its file states, percent; `None` where nothing is stated.
     pub furthest_particular: Option<(&'static str, f64)>,
 }
@@ -97,6 +103,13 @@ impl ShipOutlook {
             resistance_n: kochin.wave_resistance_n(DENSITY_KGPM3).ok(),
             waves,
             scatterers: hull.scatterers().len(),
+            panels: if ship.echo { fleet::panels(ship, &hull)?.len() } else { 0 },
+            roll_period_s: match ship.mesh.motion {
+                ShipMotion::Level => None,
+                ShipMotion::Waves { roll_period_s, .. } => {
+                    Some(Seakeeping::new(&fleet::form(&hull), roll_period_s).roll_period_s())
+                }
+            },
             furthest_particular: furthest_particular(&hull),
         })
     }
@@ -140,7 +153,7 @@ pub(super) fn ships(instants: &[View<'_>], adequacy: &mut Adequacy) -> Result<()
         match ShipOutlook::of(ship, facet_m) {
             Ok(found) => {
                 adequacy.warnings.extend(found.warning(ship, facet_m));
-                if ship.echo && found.scatterers == 0 {
+                if ship.echo && found.scatterers + found.panels == 0 {
                     adequacy.warnings.push(SeaWarning::NoScatterers { ship: ship.name.clone() });
                 }
                 adequacy.warnings.extend(outside(ship, found.length_m, instants)?);
@@ -198,6 +211,8 @@ mod tests {
             kelvin: Some(KelvinWake::default()),
             turbulent: Some(TurbulentWake::default()),
             echo: false,
+            mesh: Default::default(),
+            panels: Default::default(),
         }
     }
 

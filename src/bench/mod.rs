@@ -8,11 +8,15 @@
 //! | [`accuracy`] | error of the streamed echo against the reference |
 //! | [`settings`] | the settings that trade speed for accuracy |
 //! | [`plan`] | what is planned for an error, in figures and in words |
+//! | [`clutter`] | statistics of the sea's echo over the azimuth of the wind |
+//! | [`clutter_files`] | these as CSV and as a picture |
 //! | [`sweep_files`] | that table as CSV and as a picture |
 //! | [`sweep`] | a table of speed and error over one or two settings |
 //! | [`resources`] | memory, data rate and size of a run, before it |
 
 pub mod accuracy;
+pub mod clutter;
+pub mod clutter_files;
 pub mod cost;
 pub mod gather;
 pub mod plan;

@@ -8,7 +8,7 @@ use super::error::CliError;
 use super::report::Report;
 use super::scenario::{JsonArg, ScenarioArgs};
 use super::{counted, warn};
-use crate::adequacy::description::{Described, ECHO, Models, described, models, scenario, sea, ships};
+use crate::adequacy::description::{Described, ECHO, Models, RAIN, described, models, scenario, sea, ships};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, adequacy, edge_db, hidden_targets};
 use crate::bench::plan::{PlanReport, echo_text, not_kept};
@@ -109,6 +109,11 @@ impl Found {
         self.warnings.extend(self.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
         self.warnings.extend(polarisation(run)?.iter().map(ToString::to_string));
         self.plan(run, &stream);
+        if let Some((points, in_cell)) = stream.factory().rain()
+            && let Some(row) = self.models.with.iter_mut().find(|row| row.what == RAIN)
+        {
+            row.how += &format!("; {points:.0} points at a pulse, {in_cell} in a resolution cell");
+        }
         self.warnings.extend(plausible::targets(run)?.iter().map(ToString::to_string));
         let forecast = stream.resources(&run.scene.radar).map_err(BuildErrors::from)?;
         let levels = forecast.converter.iter().flat_map(|converter| converter.warnings());

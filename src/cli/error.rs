@@ -9,10 +9,10 @@ use super::nav::NavToolError;
 use super::sea::SeaError;
 use super::table::TableError;
 use super::values::OutOfRange;
+use crate::bench::clutter::ClutterError;
 use crate::bench::speed::SpeedError;
 use crate::cli::examine::error::ExamineError;
 use crate::cli::focus::error::FocusError;
-use crate::cli::speckle::error::SpeckleError;
 use crate::config::ConfigError;
 #[cfg(feature = "monitor")]
 use crate::monitor::{MonitorFault, replay::ReplayError};
@@ -136,7 +136,7 @@ pub enum CliError {
     Export(#[from] ExportError),
     /// No statistics of speckle.
     #[error(transparent)]
-    Speckle(#[from] SpeckleError),
+    Clutter(#[from] ClutterError),
     /// Nothing can be received.
     #[error(transparent)]
     Receive(#[from] ReceiveError),
@@ -150,6 +150,7 @@ impl CliError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Recording(RecordingError::File(fault)) if !fault.is_wrong_input() => 1,
+            Self::Clutter(ClutterError::Run(SpeedError::Run(_))) => 1,
             Self::Config(_)
             | Self::Build(_)
             | Self::Pattern(_)
@@ -162,7 +163,7 @@ impl CliError {
             | Self::Recording(_)
             | Self::Range(_)
             | Self::Table(_)
-            | Self::Speckle(_) => 2,
+            | Self::Clutter(_) => 2,
             Self::Sea(error) => error.exit_code(),
             // A full disk is not wrong input, nor is a socket that breaks.
             Self::Receive(ReceiveError::Record(error)) if !error.is_wrong_input() => 1,

@@ -61,7 +61,6 @@ pub use scenario::ScenarioArgs;
 pub use sea::snapshot::SnapshotArgs;
 pub use sea::{Field, SeaArgs, SeaError, SeaMap, sea_at};
 pub use speckle::SpeckleArgs;
-pub use speckle::error::SpeckleError;
 pub use table::{
     Aperture, Cut, Quantity, TableAntennaArgs, TableArgs, TableError, TableFacetDensityArgs,
     TableFresnelArgs, TableHullArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs,

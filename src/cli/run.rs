@@ -362,15 +362,7 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
         redirect(&mut run, out)?;
     }
     if args.output.overwrite.force {
-        for sink in &mut run.sinks {
-            match &mut sink.kind {
-                Kind::Hdf5 { force, .. } | Kind::Plain { force, .. } | Kind::Crsd { force, .. } => {
-                    *force = true
-                }
-                Kind::Nav(settings) => settings.force = true,
-                Kind::Vita49(_) | Kind::Shm(_) | Kind::Zmq(_) | Kind::Null => {}
-            }
-        }
+        run.sinks.iter_mut().for_each(|sink| sink.kind.overwrite());
     }
     run.shard = args.shard;
     let all = run.scene.pulses;
@@ -384,14 +376,8 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
 
 /// Sends the recording elsewhere, or replaces the null sink where the scenario has none.
 fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
-    let mut paths: Vec<&mut PathBuf> = run
-        .sinks
-        .iter_mut()
-        .filter_map(|sink| match &mut sink.kind {
-            Kind::Hdf5 { path, .. } | Kind::Plain { path, .. } | Kind::Crsd { path, .. } => Some(path),
-            Kind::Vita49(_) | Kind::Shm(_) | Kind::Zmq(_) | Kind::Nav(_) | Kind::Null => None,
-        })
-        .collect();
+    let mut paths: Vec<&mut PathBuf> =
+        run.sinks.iter_mut().filter_map(|sink| sink.kind.recording_path()).collect();
     match &mut paths[..] {
         [path] => {
             **path = out.to_owned();

@@ -1,6 +1,5 @@
 //! `nereus tradeoff`: error and speed over the settings of `[fidelity]`, as a table, as CSV and as a picture.
 
-use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -10,7 +9,7 @@ use super::bench::reference;
 use super::error::CliError;
 use super::escape;
 use super::json;
-use super::outputs::save_canvas;
+use super::outputs::{TableAndPicture, save_canvas};
 use super::progress;
 use super::report::Report;
 use super::scenario::{MeasuredArgs, OutputArgs};
@@ -26,7 +25,7 @@ use crate::config::{ConfigError, Run};
 use crate::echo::Fidelity;
 use crate::fidelity::budget::Plan;
 use crate::pipeline::build;
-use crate::recording::output::{FileKind, Output, OutputError};
+use crate::recording::output::FileKind;
 use crate::transport::pacer::Status;
 
 /// `nereus tradeoff`
@@ -71,7 +70,9 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
         run = with_fast(&Vec::new())?;
     }
     let error_db = if let Fidelity::Fast(asked) = &run.fidelity { asked.error_db } else { DEFAULT_DB };
-    let mut files = files(args)?;
+    let force = args.output.overwrite.force;
+    let plan = |folder: &PathBuf| TableAndPicture::plan(folder, "tradeoff", FileKind::Settings, force);
+    let mut files = args.out.as_ref().map(plan).transpose().map_err(SeaError::from)?;
     warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
     let stream = build::on_nominal_tracks(&accuracy::noiseless(&run), 0..run.scene.pulses)?;
     let (threads, facets) = (stream.threads(), stream.factory().facets());
@@ -120,7 +121,7 @@ fn swept(
     judge: &Judge,
     run: &Run,
     load: impl Fn(&Overrides) -> Result<Run, ConfigError>,
-    files: &mut Option<Files>,
+    files: &mut Option<TableAndPicture>,
 ) -> Result<Sweep, CliError> {
     say("settings ...");
     let (status, watcher) = progress::watch_of(0, "settings");
@@ -196,35 +197,4 @@ fn add_models(report: &mut Report, swept: &Sweep) {
     for refused in &swept.refused {
         report.line(format!("not tried: {}: {}", refused.change, refused.why));
     }
-}
-
-struct Files {
-    table: Output,
-    picture: Output,
-    paths: [PathBuf; 2],
-    /// Whether the table is one that this program has written.
-    begun: bool,
-}
-
-impl Files {
-    /// Writes the table: anew, or in the place of the one that this program has written before.
-    fn write_table(&mut self, csv: String) -> Result<(), SeaError> {
-        let table = match std::mem::replace(&mut self.begun, true) {
-            false => self.table.clone(),
-            true => Output::plan(&self.paths[0], FileKind::Settings, true)?,
-        };
-        table.write(|partial| {
-            fs::write(partial, csv).map_err(OutputError::io(partial, "writing")).map_err(SeaError::from)
-        })
-    }
-}
-
-/// The files of `--out`, whose folder is made where it is not there.
-fn files(args: &TradeoffArgs) -> Result<Option<Files>, SeaError> {
-    let Some(folder) = &args.out else { return Ok(None) };
-    fs::create_dir_all(folder).map_err(OutputError::io(folder, "making the folder"))?;
-    let paths = ["tradeoff.csv", "tradeoff.png"].map(|name| folder.join(name));
-    let plan = |path: &PathBuf, kind| Output::plan(path, kind, args.output.overwrite.force);
-    let (table, picture) = (plan(&paths[0], FileKind::Settings)?, plan(&paths[1], FileKind::Png)?);
-    Ok(Some(Files { table, picture, paths, begun: false }))
 }

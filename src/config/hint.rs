@@ -15,6 +15,11 @@ pub(super) fn hint(name: &str, table: &'static Table) -> Hint {
         return Hint::Like(key);
     }
     let stem = |name: &str| name.rsplit_once('_').map_or(name.to_owned(), |(stem, _)| stem.to_owned());
+    // A slip of one letter in a key without a unit is no other key in a wrong one.
+    let slipped = |key: &&&Key| key.kind.unit().is_empty() && strsim::osa_distance(key.name, name) == 1;
+    if let Some(key) = table.keys.iter().find(slipped) {
+        return Hint::Like(key.name);
+    }
     for key in table.keys {
         let unit = key.kind.unit();
         if !unit.is_empty() && (stem(key.name) == stem(name) || stem(key.name) == name) {

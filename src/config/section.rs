@@ -251,6 +251,13 @@ impl<'a> Section<'a> {
         chosen
     }
 
+    /// The same of a key whose default depends on others.
+    pub(super) fn choice_or(&self, key: &'static Key, absent: &'static str) -> Option<&'static str> {
+        let written = self.has(key);
+        let chosen = self.choice(key);
+        if written { chosen } else { Some(absent) }
+    }
+
     fn text(&self, key: &'static Key) -> Option<(&'a str, &'a Node)> {
         let node = self.ask(key)?;
         Some((self.typed(key, node, node.text())?, node))

@@ -131,6 +131,7 @@ fn names_of_keys_bear_their_unit() {
         ("ms", "_ms"),
         ("dB", "_db"),
         ("dB/km", "_db_per_km"),
+        ("mm/h", "_mmph"),
         ("dBW", "_dbw"),
         ("dBi", "_dbi"),
         ("W", "_w"),
@@ -147,6 +148,7 @@ fn names_of_keys_bear_their_unit() {
         ("m/s/sqrt(s)", "_mps_per_root_s"),
         ("deg/sqrt(s)", "_deg_per_root_s"),
         ("deg/s", "_degps"),
+        ("1/s", "_per_s"),
         ("1/h", "per_hour"),
         ("1/day", "_per_day"),
     ];

@@ -28,11 +28,15 @@ use crate::paths::PathGenerator;
 use crate::paths::block::{NODES, SAMPLED, SIDELOBE_NODES, gain_instants, gain_step, sidelobe_gain_pulses};
 use crate::pulse::costs::Stage;
 use crate::radar::waveform::Waveform;
-use crate::scene::sea::BraggWaves;
+use crate::scene::sea::{BraggWaves, Modulation, Waves};
 use crate::scene::{Scene, Sea};
 
 use crate::fidelity::echo_settings::EchoSettings;
 
+/// What a breaking wave, and a point that stands for rain, take over a point: their path is found for every
+/// pulse, once; for rain, boxes are split on the way to it.
+const BREAKER: f64 = 0.2;
+const DROP: f64 = 8.0;
 /// Pulses for which turning a facet costs as much as finding its lines and components.
 const LINES: f64 = 60.0;
 /// The same of finding phasors one by one.
@@ -103,6 +107,8 @@ pub struct Size {
     pairs: f64,
     /// Pairs for which facets have lines of travelling waves.
     travelling: f64,
+    /// Work of a surface over that of one that modulates nothing.
+    surface: f64,
     channels: f64,
     antennas: f64,
     /// From update to update of the shadows, pulses; `None` without shadows.
@@ -130,6 +136,9 @@ impl Size {
         let radar = &scene.radar;
         let shadow = scene.sea.as_ref().and_then(|sea| sea.shadow.as_ref());
         let frozen = |sea: &Sea| sea.scattering.bragg == BraggWaves::Frozen;
+        let modulates = |sea: &Sea| sea.scattering.modulation != Modulation::Off;
+        let [modulates, choppy] =
+            [modulates, |sea: &Sea| sea.waves == Waves::Choppy].map(|of| scene.sea.as_ref().is_some_and(of));
         let pairs = generator.pairs().len() as f64;
         let reach = radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 64;
         let sampled = generator.sampled(SAMPLED);
@@ -137,9 +146,13 @@ impl Size {
         Self {
             facets: generator.facets() as f64,
             // Those with an aspect are evaluated for it once more.
-            points: generator.point_count() as f64 * if generator.follows_aspects() { 2.0 } else { 1.0 },
+            points: generator.point_count() as f64 * if generator.follows_aspects() { 2.0 } else { 1.0 }
+                + BREAKER * generator.breakers_alive()
+                + DROP * generator.drops(),
             pairs,
             travelling: if scene.sea.as_ref().is_none_or(frozen) { 0.0 } else { pairs },
+            // Two transforms beside four, for either.
+            surface: 1.0 + [modulates, choppy].map(|of| if of { 0.5 } else { 0.0 }).iter().sum::<f64>(),
             channels: radar.channels.len() as f64,
             antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,
             update_pulses: shadow.map(|shadow| shadow.update_s * radar.emissions.mean_prf_hz()),
@@ -159,6 +172,7 @@ impl Size {
             points,
             pairs,
             travelling,
+            surface,
             channels,
             antennas,
             update_pulses,
@@ -200,7 +214,7 @@ impl Size {
         let few_epochs = chosen.sidelobe.map_or(0.0, |sidelobe| sidelobe.epochs as f64);
         let [nodes, few] = [NODES, SIDELOBE_NODES].map(|n| n as f64);
         Work([
-            per_block(nodes),
+            per_block(nodes * surface),
             per_block(updates * antennas),
             per_block(again * either(nodes, few) * pairs),
             per_block(again * either(epochs, few_epochs) * pairs),

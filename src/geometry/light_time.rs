@@ -120,16 +120,27 @@ pub fn bistatic_over(
     scatterer: &PhaseCentre,
     receiver: &PhaseCentre,
 ) -> Path {
+    bistatic_between(method, transmitter, [scatterer; 2], receiver)
+}
+
+/// The path by a mirror: it ends at the image of the scatterer, and goes on from the scatterer itself.
+pub fn bistatic_between(
+    method: LightTime,
+    transmitter: &PhaseCentre,
+    [image, scatterer]: [&PhaseCentre; 2],
+    receiver: &PhaseCentre,
+) -> Path {
     let (x_t, v_t) = (transmitter.position.raw(), transmitter.velocity.raw());
     match method {
         LightTime::Exact => {
-            let tx_leg_s = fixed_point(|s| (moved(scatterer, s).0 - x_t).length());
+            let tx_leg_s = fixed_point(|s| (moved(image, s).0 - x_t).length());
+            let (arrives, v_i) = moved(image, tx_leg_s);
             let (in_flight, v_s) = moved(scatterer, tx_leg_s);
             let rx_leg_s = fixed_point(|s| (moved(receiver, tx_leg_s + s).0 - in_flight).length());
             let (x_r, v_r) = moved(receiver, tx_leg_s + rx_leg_s);
-            let incident = (in_flight - x_t).normalize_or_zero();
+            let incident = (arrives - x_t).normalize_or_zero();
             let scattered = (x_r - in_flight).normalize_or_zero();
-            let tx_rate = incident.dot(v_s - v_t) / (C - incident.dot(v_s));
+            let tx_rate = incident.dot(v_i - v_t) / (C - incident.dot(v_i));
             let rx_rate = (1.0 + tx_rate) * scattered.dot(v_r - v_s) / (C - scattered.dot(v_r));
             Path {
                 delay_s: tx_leg_s + rx_leg_s,
@@ -141,12 +152,13 @@ pub fn bistatic_over(
             }
         }
         LightTime::StopAndGo => {
+            let (x_i, v_i) = (image.position.raw(), image.velocity.raw());
             let (x_s, v_s) = (scatterer.position.raw(), scatterer.velocity.raw());
             let (x_r, v_r) = (receiver.position.raw(), receiver.velocity.raw());
-            let (tx_leg_s, rx_leg_s) = ((x_s - x_t).length() / C, (x_r - x_s).length() / C);
-            let incident = (x_s - x_t).normalize_or_zero();
+            let (tx_leg_s, rx_leg_s) = ((x_i - x_t).length() / C, (x_r - x_s).length() / C);
+            let incident = (x_i - x_t).normalize_or_zero();
             let scattered = (x_r - x_s).normalize_or_zero();
-            let delay_rate = (incident.dot(v_s - v_t) + scattered.dot(v_r - v_s)) / C;
+            let delay_rate = (incident.dot(v_i - v_t) + scattered.dot(v_r - v_s)) / C;
             Path { delay_s: tx_leg_s + rx_leg_s, tx_leg_s, rx_leg_s, delay_rate, incident, scattered }
         }
     }

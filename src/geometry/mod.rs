@@ -6,4 +6,5 @@ pub mod phase_path;
 pub mod bistatic;
 pub mod shadow;
 pub mod horizon;
+pub mod occlusion;
 pub mod specular;

@@ -1,12 +1,14 @@
 //! Scatterer paths of one emission: of targets, of the direct path, and of facets.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use num_complex::Complex64;
 
 use super::emission::Emission;
 use super::facets::Reception;
 use super::sea::SeaWork;
-use super::{PairPlan, PathGenerator};
+use super::{PairPlan, PathGenerator, Workspace};
 use crate::frames::{Earth, Enu, Point, Vector};
 use crate::geometry::bistatic::Basis;
 use crate::geometry::horizon;
@@ -16,7 +18,8 @@ use crate::paths::multipath::Bounce;
 use crate::pulse::costs::Costs;
 use crate::radar::fault::RadarError;
 use crate::radar::polarisation::field;
-use crate::scene::Target;
+use crate::radar::window::Window;
+use crate::scattering::tilt::ScatterMatrix;
 use crate::scene::radar::Polarisation;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
@@ -40,13 +43,33 @@ impl PathGenerator {
         outside
     }
 
+    /// Appends all that the window of a pulse receives of other emissions.
+    pub(super) fn append_others(
+        &self,
+        index: u64,
+        emissions: Range<u64>,
+        window: Window,
+        workspace: &mut Workspace,
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
+        let Workspace { other, amplitude, sea, costs, .. } = workspace;
+        for emitted in emissions {
+            self.evaluate(emitted, other)?;
+            let reception = self.reception(index, emitted, other, window);
+            self.append(&reception, amplitude, paths);
+            self.append_ships(emitted, &reception, amplitude, paths)?;
+            self.append_sea(emitted, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
+        }
+        Ok(())
+    }
+
     /// Appends the facets that one emission illuminates.
     pub(super) fn append_sea(
         &self,
         emitted: u64,
         reception: &Reception,
         work: &mut Option<SeaWork>,
-        costs: &mut Costs,
+        (amplitude, costs): (&mut [Complex64], &mut Costs),
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
         let Some(sea) = &self.sea else { return Ok(()) };
@@ -68,7 +91,18 @@ impl PathGenerator {
             }
         });
         costs.looked_at(sea.patch.len(), paths.len() - before, 0);
-        visited.map_err(|failure| self.sea_error(emitted, failure))
+        visited.map_err(|failure| self.sea_error(emitted, failure))?;
+        if sea.breaking.is_none() {
+            return Ok(());
+        }
+        let mut breakers = || {
+            let (patch, mix) = sea.seen(reception, work)?;
+            // Beyond the patch as its edge: shadows may know more of the sea than the patch has.
+            let edge = |key| patch.key(patch.nearest_index(key));
+            let weight = |antenna: usize, key| mix.as_ref().map_or(1.0, |mix| mix.weight(antenna, edge(key)));
+            self.append_breakers(sea, reception, &patch, weight, amplitude, paths)
+        };
+        breakers().map_err(|failure| self.sea_error(emitted, failure))
     }
 
     /// Amplitudes of a target (or, beyond the last one, an image, and beyond these the direct path) in every
@@ -106,14 +140,21 @@ impl PathGenerator {
             outside |= !window.holds(begin_s);
             if window.touches(begin_s) {
                 let bounce = image.map(|image| &emission.bounces[image * self.plans.len() + pair]);
-                self.amplitudes(plan, (path, bounce), target, scale, tx_pol, emission, amplitude);
+                let matrix = target.map(|target| &target.scattering);
+                self.amplitudes(plan, (path, bounce), matrix, scale, tx_pol, emission, amplitude);
             }
         }
         outside
     }
 
     /// Share of the field of a path that passes the horizons of its antennas.
-    fn passes_horizon(&self, plan: &PairPlan, emission: &Emission, path: &Path, direct: bool) -> f64 {
+    pub(super) fn passes_horizon(
+        &self,
+        plan: &PairPlan,
+        emission: &Emission,
+        path: &Path,
+        direct: bool,
+    ) -> f64 {
         let earth = self.frame.hiding_earth();
         if earth == Earth::Flat {
             return 1.0;
@@ -121,24 +162,35 @@ impl PathGenerator {
         let on = |from: Point<Enu>, along: DVec3, leg_s: f64| {
             Point::from_raw(from.raw() + along * (leg_s * SPEED_OF_LIGHT_MPS))
         };
-        let seen = |from: Point<Enu>, to: Point<Enu>| {
-            horizon::weight(horizon::clearance_m(earth, from, to), horizon::POINT_EDGE_M)
-        };
         let tx = emission.centres[plan.pair.transmitter].position;
         if direct {
-            return seen(tx, on(tx, path.incident, path.delay_s));
+            return seen(earth, tx, on(tx, path.incident, path.delay_s));
         }
         let at = on(tx, path.incident, path.tx_leg_s);
-        seen(tx, at) * seen(on(at, path.scattered, path.rx_leg_s), at)
+        seen(earth, tx, at) * seen(earth, on(at, path.scattered, path.rx_leg_s), at)
     }
 
-    /// Amplitudes of one path in the channels of its pair, with what the sea did to it; `target` is `None` for
+    /// The same of what a ship returns, from where a wave meets it and leaves it: a path with two bounces goes
+    /// by an image, where no wave is.
+    pub(super) fn passes_horizon_of_ship(
+        &self,
+        plan: &PairPlan,
+        emission: &Emission,
+        [meets, leaves]: [Point<Enu>; 2],
+    ) -> f64 {
+        let earth = self.frame.hiding_earth();
+        let centre = |antenna: usize| emission.centres[antenna].position;
+        let rx = self.radar.transmitters.len() + plan.pair.receiver;
+        seen(earth, centre(plan.pair.transmitter), meets) * seen(earth, centre(rx), leaves)
+    }
+
+    /// Amplitudes of one path in the channels of its pair, with what the sea did to it; `matrix` is `None` for
     /// the direct path.
-    fn amplitudes(
+    pub(super) fn amplitudes(
         &self,
         plan: &PairPlan,
         (path, bounce): (&Path, Option<&Bounce>),
-        target: Option<&Target>,
+        matrix: Option<&ScatterMatrix>,
         scale: f64,
         tx_pol: Option<Polarisation>,
         emission: &Emission,
@@ -171,9 +223,9 @@ impl PathGenerator {
                 e_t = [e_t[0] * of_sent[0], e_t[1] * of_sent[1]];
                 e_r = [e_r[0] * of_received[0], e_r[1] * of_received[1]];
             }
-            let returned = match target {
+            let returned = match matrix {
                 None => e_r[0] * e_t[0] + e_r[1] * e_t[1],
-                Some(Target { scattering: s, .. }) => {
+                Some(s) => {
                     e_r[0] * (s[0][0] * e_t[0] + s[0][1] * e_t[1])
                         + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1])
                 }
@@ -181,4 +233,8 @@ impl PathGenerator {
             amplitude[channel] = gains * returned;
         }
     }
+}
+
+fn seen(earth: Earth, from: Point<Enu>, to: Point<Enu>) -> f64 {
+    horizon::weight(horizon::clearance_m(earth, from, to), horizon::POINT_EDGE_M)
 }

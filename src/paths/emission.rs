@@ -13,6 +13,7 @@ use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::motion::track::{State, TrackError};
 use crate::paths::aspect::Aspect;
 use crate::paths::heave::Heave;
+use crate::paths::hidden::Hills;
 use crate::paths::multipath::{Bounce, Image, Mirror};
 use crate::radar::fault::TrackUse;
 use crate::radar::polarisation::{Axes, PortBasis};
@@ -32,6 +33,8 @@ pub(super) struct Circumstances<'a> {
     pub aspects: &'a [Option<Aspect>],
     /// What lifts targets that float; empty where none does.
     pub heaves: &'a [Option<Heave>],
+    /// Land that hides targets.
+    pub hills: Option<&'a Hills>,
     /// Paths of targets by the sea, and what reflects them.
     pub images: &'a [Image],
     pub mirror: Option<&'a Mirror>,
@@ -46,23 +49,33 @@ impl Circumstances<'_> {
     pub fn varies(&self) -> bool {
         let fluctuates = |target: &Target| target.swerling != Swerling::Steady;
         !self.aspects.is_empty()
+            || self.hills.is_some()
             || self.heaves.iter().flatten().any(Heave::hides)
             || self.targets.iter().any(fluctuates)
     }
 
-    /// Share of the field of a pair that passes the crests about a target.
-    fn passes_crests(&self, number: usize, pair: &Pair, elapsed_s: f64) -> Result<f64, TrackFailure> {
-        let Some(Some(heave)) = self.heaves.get(number) else { return Ok(1.0) };
+    /// Share of the field of a pair that passes crests and land about a target.
+    fn passes(&self, number: usize, pair: &Pair, elapsed_s: f64) -> Result<f64, TrackFailure> {
+        let heave = self.heaves.get(number).and_then(Option::as_ref);
+        if heave.is_none() && self.hills.is_none() {
+            return Ok(1.0);
+        }
         let Surroundings { tracks, frame, start } = self.surroundings;
         let mut passes = 1.0;
         let receiver = self.radar.transmitters.len() + pair.receiver;
         for antenna in [pair.transmitter, receiver] {
             let Some(Mounted { mount, .. }) = antennas(self.radar).nth(antenna) else { continue };
-            passes *= heave.weight(frame, elapsed_s, antenna, |time_s| {
+            let centre = |time_s: f64| {
                 let state = tracks[mount.platform].truth.state(start.plus(time_s));
                 let state = state.map_err(failed(mount.platform, TrackUse::Truth))?;
                 Ok(PhaseCentre::of(&state, mount.lever_arm))
-            })?;
+            };
+            if let Some(heave) = heave {
+                passes *= heave.weight(frame, elapsed_s, antenna, centre)?;
+            }
+            if let Some(hills) = self.hills {
+                passes *= hills.weight(number, antenna, elapsed_s, |t| self.target(number, t).0, centre)?;
+            }
         }
         Ok(passes)
     }
@@ -219,7 +232,7 @@ impl Emission {
                 let seen = aspect.zip(up).map_or(1.0, |(aspect, up)| aspect.over_mean(up, path()));
                 let passes = match most_of_run {
                     Some(_) => 1.0,
-                    None => of.passes_crests(number, pair, elapsed_s)?,
+                    None => of.passes(number, pair, elapsed_s)?,
                 };
                 self.variation.push((power * seen).sqrt() * passes);
             }

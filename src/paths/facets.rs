@@ -4,7 +4,8 @@
 //! moving with the orbital velocity and acceleration while the pulse is under way; delay, rate, directions
 //! and legs come from this one path ([`crate::geometry::light_time`]), so that the carrier phase of a facet
 //! is a smooth function of slow time whose derivative is its Doppler. Tilt and area are those of the grid
-//! position, with the slope of the mean surface added on a curved Earth. Its amplitude in a channel is
+//! position, with the slope of the mean surface added on a curved Earth; choppy waves have areas and tilts of their
+//! own ([`crate::sea::surface::choppy`]). Its amplitude in a channel is
 //!
 //! `a = K / (R_t R_r)  g_t g_r  v_t v_r  (e_r^T S e_t)`
 //!
@@ -28,16 +29,29 @@ use crate::radar::antenna::Antenna;
 use crate::radar::polarisation::{PortBasis, field};
 use crate::radar::window::Window;
 use crate::scattering::facets::Facets;
+use crate::scattering::land::LandScattering;
 use crate::scattering::water::WaterScattering;
 use crate::scene::Patch;
 use crate::scene::radar::{Polarisation, Radar};
+use crate::sea::land::LandSheet;
 use crate::sea::surface::Fields;
+use crate::sea::surface::modulation::look;
 use crate::sea::wake::course::Pose;
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Facets handled side by side.
 pub(super) const CHUNK: usize = 256;
+
+/// What the facets of a chunk are.
+#[derive(Clone, Copy)]
+pub(super) enum Surfaces<'a> {
+    /// Water of a kind, with ships at these poses.
+    Water(&'a WaterScattering, &'a [Pose], usize),
+    /// Land.
+    Land(&'a LandScattering, &'a LandSheet),
+}
+
 /// What one transmitter-receiver pair sees of a chunk.
 #[derive(Clone, Default)]
 pub(super) struct PairColumns {
@@ -58,6 +72,10 @@ pub(super) struct Chunk {
     pub index: Vec<usize>,
     slope: [Vec<f64>; 2],
     cover: Vec<f64>,
+    /// Modulation by the waves of the map, xx, yy, xy; empty without one.
+    strain: Vec<[f64; 3]>,
+    /// Factors of the pair at hand.
+    modulation: Vec<f64>,
     phasors: Vec<Complex64>,
     /// Those of the pair at hand, where waves travel.
     of_pair: Vec<Complex64>,
@@ -119,6 +137,11 @@ impl PairColumns {
         rx_bases.clear();
     }
 
+    /// Unit directions to and from a facet.
+    fn directions(&self, i: usize) -> [DVec3; 2] {
+        [&self.incident, &self.scattered].map(|d| DVec3::new(d[0][i], d[1][i], d[2][i]))
+    }
+
     fn reserve(&mut self) {
         let Self { delay_s, delay_rate, incident, scattered, scale, rx_bases } = self;
         [delay_s, delay_rate].into_iter().chain(incident).chain(scattered).for_each(|c| c.reserve(CHUNK));
@@ -134,6 +157,8 @@ impl Chunk {
             index: Vec::with_capacity(CHUNK),
             slope: [Vec::with_capacity(CHUNK), Vec::with_capacity(CHUNK)],
             cover: Vec::with_capacity(CHUNK),
+            strain: Vec::with_capacity(CHUNK),
+            modulation: Vec::with_capacity(CHUNK),
             phasors: Vec::with_capacity(CHUNK * mechanisms),
             of_pair: Vec::with_capacity(CHUNK * mechanisms),
             pairs: vec![PairColumns::default(); pairs],
@@ -148,6 +173,7 @@ impl Chunk {
         self.index.clear();
         self.slope.iter_mut().for_each(Vec::clear);
         self.cover.clear();
+        self.strain.clear();
         self.phasors.clear();
         self.pairs.iter_mut().for_each(PairColumns::clear);
     }
@@ -210,63 +236,113 @@ impl Chunk {
         kept
     }
 
-    /// Takes in the rest of a facet whose paths are in: its place in the patch, its tilt, the share its kind
-    /// covers, its random phasors.
-    pub fn take(&mut self, index: usize, slope: [f64; 2], cover: f64, phasors: &[Complex64]) {
+    /// Takes in the rest of a facet whose paths are in: its place in the patch, its tilt, what modulates
+    /// it, the share its kind covers, its random phasors.
+    pub fn take(
+        &mut self,
+        index: usize,
+        slope: [f64; 2],
+        strain: Option<[f64; 3]>,
+        cover: f64,
+        phasors: &[Complex64],
+    ) {
+        self.strain.extend(strain);
         self.index.push(index);
         self.slope.iter_mut().zip(slope).for_each(|(column, slope)| column.push(slope));
         self.cover.push(cover);
         self.phasors.extend_from_slice(phasors);
     }
 
-    /// Amplitudes of all facets of the chunk, which are of one kind, with ships at these poses.
-    pub fn scatter(
+    /// The facet taken in last has an area, over that of the grid.
+    pub fn stretch_last(&mut self, area: f64) {
+        let scales = self.pairs.iter_mut().filter_map(|columns| columns.scale.last_mut());
+        scales.for_each(|scale| *scale *= area.sqrt());
+    }
+
+    /// Matrices of the water over a pair; says whether they are sound.
+    fn scatter_water(
         &mut self,
-        reception: &Reception,
-        (water, poses): (&WaterScattering, &[Pose]),
-        kind: usize,
+        (water, poses, kind): (&WaterScattering, &[Pose], usize),
+        pair: usize,
+        elapsed_s: f64,
         patch: &Patch,
-    ) {
-        let footprint_m2 = patch.facet_m * patch.facet_m;
+    ) -> bool {
+        let columns = &self.pairs[pair];
+        let phasors = match water.travelling() {
+            None => &self.phasors,
+            Some(lines) => {
+                self.of_pair.clone_from(&self.phasors);
+                for (i, own) in self.of_pair.chunks_exact_mut(water.mechanisms()).enumerate() {
+                    let key = patch.key(self.index[i]);
+                    let [incident, scattered] = columns.directions(i);
+                    let [specular, bragg] = lines.phasors(key, (incident, scattered), elapsed_s);
+                    own[0] *= specular;
+                    own[1..].iter_mut().for_each(|phasor| *phasor *= bragg);
+                }
+                &self.of_pair
+            }
+        };
+        let strength = water.strength();
+        self.modulation.clear();
+        self.modulation.extend(self.strain.iter().enumerate().map(|(i, tensor)| {
+            let [incident, scattered] = columns.directions(i);
+            let q = scattered - incident;
+            strength.factor(*tensor, look([q.x, q.y]))
+        }));
+        let facets = Facets {
+            incident: columns.incident.each_ref().map(Vec::as_slice),
+            scattered: columns.scattered.each_ref().map(Vec::as_slice),
+            slope_x: &self.slope[0],
+            slope_y: &self.slope[1],
+            cover: &self.cover,
+            phasors,
+            modulation: &self.modulation,
+            footprint_m2: patch.facet_m * patch.facet_m,
+        };
+        let [vv, vh, hv, hh] = &mut self.matrix;
+        let place_m = |i: usize| patch.centre_m(patch.key(self.index[i]));
+        water.scatter_at(kind, &facets, place_m, poses, [vv, vh, hv, hh]).is_ok()
+    }
+
+    /// Matrices of the land over a pair.
+    fn scatter_land(&mut self, land: &LandScattering, sheet: &LandSheet, pair: usize, patch: &Patch) {
+        let columns = &self.pairs[pair];
+        for (i, &index) in self.index.iter().enumerate() {
+            let phasors = sheet
+                .phasors()
+                .each_ref()
+                .map(|[re, im]| Complex64::new(f64::from(re[index]), f64::from(im[index])));
+            let slope = [self.slope[0][i], self.slope[1][i]];
+            let footprint_m2 = patch.facet_m * patch.facet_m;
+            let matrix = land.matrix(columns.directions(i), slope, footprint_m2, phasors);
+            for (column, entry) in self.matrix.iter_mut().zip(matrix.as_flattened()) {
+                column[i] = *entry;
+            }
+        }
+    }
+
+    /// Amplitudes of all facets of the chunk, which are of one kind.
+    pub fn scatter(&mut self, reception: &Reception, surface: Surfaces<'_>, patch: &Patch) {
         let count = self.index.len();
         for column in &mut self.amplitude {
             column.resize(count, Complex64::ZERO);
             column.fill(Complex64::ZERO);
         }
-        for (plan, columns) in reception.plans.iter().zip(&self.pairs) {
-            let direction = |d: &[Vec<f64>; 3], i: usize| DVec3::new(d[0][i], d[1][i], d[2][i]);
-            let phasors = match water.travelling() {
-                None => &self.phasors,
-                Some(lines) => {
-                    self.of_pair.clone_from(&self.phasors);
-                    for (i, own) in self.of_pair.chunks_exact_mut(water.mechanisms()).enumerate() {
-                        let ends = (direction(&columns.incident, i), direction(&columns.scattered, i));
-                        let key = patch.key(self.index[i]);
-                        let [specular, bragg] = lines.phasors(key, ends, reception.elapsed_s);
-                        own[0] *= specular;
-                        own[1..].iter_mut().for_each(|phasor| *phasor *= bragg);
-                    }
-                    &self.of_pair
-                }
-            };
-            let facets = Facets {
-                incident: columns.incident.each_ref().map(Vec::as_slice),
-                scattered: columns.scattered.each_ref().map(Vec::as_slice),
-                slope_x: &self.slope[0],
-                slope_y: &self.slope[1],
-                cover: &self.cover,
-                phasors,
-                footprint_m2,
-            };
+        for (pair, plan) in reception.plans.iter().enumerate() {
             for entry in &mut self.matrix {
                 entry.resize(count, Complex64::ZERO);
             }
-            let [vv, vh, hv, hh] = &mut self.matrix;
-            let place_m = |i: usize| patch.centre_m(patch.key(self.index[i]));
-            if water.scatter_at(kind, &facets, place_m, poses, [vv, vh, hv, hh]).is_err() {
-                debug_assert!(false, "columns of a chunk differ in length");
-                continue;
+            match surface {
+                Surfaces::Land(land, sheet) => self.scatter_land(land, sheet, pair, patch),
+                Surfaces::Water(water, poses, kind) => {
+                    if !self.scatter_water((water, poses, kind), pair, reception.elapsed_s, patch) {
+                        debug_assert!(false, "columns of a chunk differ in length");
+                        continue;
+                    }
+                }
             }
+            let columns = &self.pairs[pair];
+            let [vv, vh, hv, hh] = &self.matrix;
             let (tx, rx) = (plan.pair.transmitter, plan.pair.receiver);
             let tx_basis = reception.emission.basis(tx);
             let tx_leak = reception.radar.transmitters[tx].antenna.cross_pol_isolation_db;
@@ -276,8 +352,7 @@ impl Chunk {
                 if scale == Complex64::ZERO {
                     continue;
                 }
-                let (incident, scattered) =
-                    (direction(&columns.incident, i), direction(&columns.scattered, i));
+                let [incident, scattered] = columns.directions(i);
                 let (basis_in, basis_out) = (Basis::of(incident), Basis::of(scattered));
                 let mut e_t = Ports::new(|port| field(&tx_basis, port, tx_leak, incident, &basis_in));
                 let mut e_r =

@@ -35,14 +35,10 @@ use num_complex::Complex64;
 use crate::frames::{Enu, Point, SceneFrame, Vector};
 use crate::geometry::shadow::{Edge, visible};
 use crate::motion::pointing::PhaseCentre;
+use crate::paths::waves::{Component, Series, components, met, quintic};
 use crate::scene::Target;
 use crate::sea::surface::Surface;
 
-/// Turn of the fastest wave from knot to knot, rad; and the longest time between knots, s.
-const TURN_RAD: f64 = 0.5;
-const LONGEST_S: f64 = 0.2;
-/// Knots that are kept; later ones are summed whenever they are needed.
-const MOST_KNOTS: f64 = 1_048_576.0;
 /// Steps of a line of sight whose heights are found at once, and all of them.
 const STEPS: usize = 16;
 const MOST_STEPS: usize = 1024;
@@ -59,25 +55,13 @@ pub(super) struct Wave {
 
 /// The waves of a surface that a hull of a waterline feels.
 pub(super) fn waves(surface: &Surface, waterline_m: f64) -> Arc<[Wave]> {
-    let (grid, dispersion) = (surface.grid(), surface.dispersion());
-    let step = grid.wave_number_step_rad_m();
-    let mut waves = Vec::new();
-    for (i, row) in surface.amplitude_m().chunks_exact(grid.ny()).enumerate() {
-        for (j, amplitude) in row.iter().enumerate() {
-            let (Some(mx), Some(my)) = (grid.wave_index_x(i), grid.wave_index_y(j)) else { continue };
-            let k = [mx as f64 * step[0], my as f64 * step[1]];
-            let length = k[0].hypot(k[1]);
-            let half = 0.5 * length * waterline_m;
-            if half >= 0.5 * TAU || *amplitude == Complex64::ZERO {
-                continue;
-            }
-            let share = if half > 0.0 { half.sin() / half } else { 1.0 };
-            // The conjugate of the sum at -K stands for the other half: twice the real part.
-            let (omega, amplitude) = (dispersion.angular_frequency_rad_s(length), 2.0 * amplitude);
-            waves.push(Wave { k, omega, amplitude, share });
-        }
-    }
-    waves.into()
+    let feels = |wave: Component| {
+        let half = 0.5 * wave.length * waterline_m;
+        let share = if half > 0.0 { half.sin() / half } else { 1.0 };
+        let Component { k, omega, amplitude, .. } = wave;
+        (half < 0.5 * TAU).then_some(Wave { k, omega, amplitude, share })
+    };
+    components(surface).filter_map(feels).collect()
 }
 
 /// How crests hide targets.
@@ -101,8 +85,7 @@ struct Knot {
 #[derive(Debug)]
 pub(super) struct Heave {
     waves: Arc<[Wave]>,
-    apart_s: f64,
-    knots: Vec<OnceLock<Knot>>,
+    knots: Series<Knot>,
     crests: Option<Crests>,
     /// `[knot][antenna]`: weights at the knot and at the next.
     weights: Vec<OnceLock<[f64; 2]>>,
@@ -123,21 +106,17 @@ impl Heave {
     ) -> Self {
         let ([x_m, y_m, z_m], [vx, vy, _]) = (target.position.to_array(), target.velocity.to_array());
         let course = [[x_m, y_m], [vx, vy]];
-        let fastest = waves.iter().map(|wave| wave.met(course[1]).abs()).fold(TURN_RAD / LONGEST_S, f64::max);
-        let apart_s = TURN_RAD / fastest;
-        // Between 2 and MOST_KNOTS: the cast is exact.
-        let count = (last_s / apart_s + 3.0).clamp(2.0, MOST_KNOTS) as usize;
-        let knots = std::iter::repeat_with(OnceLock::new).take(count).collect();
-        let ends = crests.map_or(0, |crests| count * crests.antennas);
+        let fastest = waves.iter().map(|wave| wave.met(course[1]).abs()).fold(0.0, f64::max);
+        let knots = Series::new(fastest, last_s);
+        let ends = crests.map_or(0, |crests| knots.len() * crests.antennas);
         let weights = std::iter::repeat_with(OnceLock::new).take(ends).collect();
         let height_m = z_m + frame.earth().drop_m(x_m, y_m);
-        Self { waves, apart_s, knots, crests, weights, course, height_m }
+        Self { waves, knots, crests, weights, course, height_m }
     }
 
     fn knot(&self, number: usize) -> Knot {
         let [place, velocity] = self.course;
-        let sum = || {
-            let time_s = number as f64 * self.apart_s;
+        self.knots.knot(number, |time_s| {
             self.waves.iter().fold(Knot::default(), |sum, wave| {
                 let ([z, rate, acceleration], met) = (sum.height, wave.met(velocity));
                 let turned = wave.k[0] * place[0] + wave.k[1] * place[1] - met * time_s;
@@ -150,28 +129,14 @@ impl Heave {
                     slope: [slope(0), slope(1)],
                 }
             })
-        };
-        self.knots.get(number).map_or_else(sum, |knot| *knot.get_or_init(sum))
-    }
-
-    /// The knot before a time, and how far it is to the next: 0 to 1.
-    fn knot_before(&self, elapsed_s: f64) -> (usize, f64) {
-        let at = (elapsed_s / self.apart_s).max(0.0);
-        (at.floor() as usize, at.fract())
+        })
     }
 
     /// What the waves add at a time after pulse 0: height, m, and its rate, m/s.
     fn lifted(&self, elapsed_s: f64) -> [f64; 2] {
-        let h = self.apart_s;
-        let (number, s) = self.knot_before(elapsed_s);
-        let [[z0, v0, a0], [z1, v1, a1]] = [number, number + 1].map(|number| self.knot(number).height);
-        let (c1, c2) = (h * v0, 0.5 * h * h * a0);
-        let (d, e, f) = (z1 - z0 - c1 - c2, h * v1 - c1 - 2.0 * c2, h * h * a1 - 2.0 * c2);
-        let (c3, c4, c5) =
-            (10.0 * d - 4.0 * e + 0.5 * f, 7.0 * e - 15.0 * d - f, 6.0 * d - 3.0 * e + 0.5 * f);
-        let z = z0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))));
-        let rate = c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)));
-        [z, rate / h]
+        let (number, s) = self.knots.before(elapsed_s);
+        let [before, after] = [number, number + 1].map(|number| self.knot(number).height);
+        quintic(self.knots.apart_s(), s, before, after)
     }
 
     /// Where the target is, and how fast, at a time after pulse 0.
@@ -186,7 +151,7 @@ impl Heave {
 
     /// How the mean surface tilts the target at a time after pulse 0: slopes East and North.
     pub fn tilt(&self, elapsed_s: f64) -> [f64; 2] {
-        let (h, (number, s)) = (self.apart_s, self.knot_before(elapsed_s));
+        let (h, (number, s)) = (self.knots.apart_s(), self.knots.before(elapsed_s));
         let [before, after] = [number, number + 1].map(|number| self.knot(number).slope);
         [0, 1].map(|i| {
             let ([p0, m0], [p1, m1]) = (before[i], after[i]);
@@ -210,15 +175,15 @@ impl Heave {
         centre: impl FnOnce(f64) -> Result<PhaseCentre, E>,
     ) -> Result<f64, E> {
         let Some(crests) = self.crests else { return Ok(1.0) };
-        let (number, share) = self.knot_before(elapsed_s);
+        let (number, share) = self.knots.before(elapsed_s);
         let kept = self.weights.get(number * crests.antennas + antenna);
         let [before, after] = match kept.and_then(OnceLock::get) {
             Some(ends) => *ends,
             None => {
-                let time_s = number as f64 * self.apart_s;
+                let time_s = number as f64 * self.knots.apart_s();
                 let PhaseCentre { position, velocity, .. } = centre(time_s)?;
-                let then = position + velocity * self.apart_s;
-                let ends = [(time_s, position), (time_s + self.apart_s, then)];
+                let then = position + velocity * self.knots.apart_s();
+                let ends = [(time_s, position), (time_s + self.knots.apart_s(), then)];
                 let ends = ends.map(|(time_s, from)| {
                     visible(self.clearance_m(crests, frame, time_s, from), crests.edge, crests.facet_m)
                 });
@@ -282,6 +247,6 @@ impl Heave {
 impl Wave {
     /// Frequency with which something that moves meets it, rad/s.
     fn met(&self, velocity_mps: [f64; 2]) -> f64 {
-        self.omega - self.k[0] * velocity_mps[0] - self.k[1] * velocity_mps[1]
+        met(self.omega, self.k, velocity_mps)
     }
 }

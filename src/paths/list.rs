@@ -52,11 +52,36 @@ impl ScattererPaths {
         self.amplitude.iter_mut().zip(amplitude).for_each(|(column, &a)| column.push(a));
     }
 
+    /// Ends a scatterer path whose delays and rates stand in their columns already: with its amplitudes, or, where
+    /// none of them is anything, by taking those away again.
+    pub(crate) fn finish(&mut self, emission_offset_s: f64, amplitude: &[Complex64]) {
+        if amplitude.iter().all(|a| *a == Complex64::ZERO) {
+            let before = self.len();
+            self.delay_s.iter_mut().chain(&mut self.delay_rate).for_each(|column| column.truncate(before));
+            return;
+        }
+        self.emission_offset_s.push(emission_offset_s);
+        self.amplitude.iter_mut().zip(amplitude).for_each(|(column, &a)| column.push(a));
+    }
+
     /// Makes the list `len` scatterer paths long; new ones are of zero amplitude, without offset.
     pub fn resize(&mut self, len: usize) {
         self.emission_offset_s.resize(len, 0.0);
         self.delay_s.iter_mut().chain(&mut self.delay_rate).for_each(|column| column.resize(len, 0.0));
         self.amplitude.iter_mut().for_each(|column| column.resize(len, Complex64::ZERO));
+    }
+
+    /// Leaves out all but some scatterer paths, whose numbers ascend.
+    pub fn keep(&mut self, kept: &[usize]) {
+        fn of<T: Copy>(column: &mut Vec<T>, kept: &[usize]) {
+            for (to, from) in kept.iter().enumerate() {
+                column[to] = column[*from];
+            }
+            column.truncate(kept.len());
+        }
+        of(&mut self.emission_offset_s, kept);
+        self.delay_s.iter_mut().chain(&mut self.delay_rate).for_each(|column| of(column, kept));
+        self.amplitude.iter_mut().for_each(|column| of(column, kept));
     }
 
     /// Scatterer paths in the list.

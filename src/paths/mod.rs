@@ -57,6 +57,8 @@
 //!         window: Window { samples: 256, gate: Gate::Fixed { start_s: 19.5e-6 } },
 //!         losses_db: 0.0,
 //!         atmosphere_db_per_km: 0.0,
+//!         rain_mmph: 0.0,
+//!         rain_clutter: None,
 //!         noise_figure_db: None,
 //!         adc: None,
 //!         direct_path: false,
@@ -90,41 +92,55 @@
 
 mod append;
 mod aspect;
+mod breaking;
+mod drops;
 mod facets;
 mod heave;
+mod hidden;
+mod lifted;
 mod multipath;
 mod nodes;
+mod panels;
 mod sea;
+mod ships;
 mod emission;
+mod kept;
 pub mod list;
 mod partition;
+mod patch_run;
+mod phasors;
 pub mod snapshot;
+mod spikes;
 mod survey;
 pub mod block;
 mod truth;
 mod visibility;
+mod waves;
 
-use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use crate::frames::SceneFrame;
+use crate::frames::{Enu, Point, SceneFrame};
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::paths::aspect::Aspect;
+use crate::paths::drops::RainPlan;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
-use crate::paths::heave::{Crests, Heave, Wave};
+use crate::paths::heave::Heave;
+use crate::paths::hidden::Hills;
 use crate::paths::list::ScattererPaths;
 use crate::paths::multipath::{Image, Mirror};
+use crate::paths::ships::Ships;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Pulse, flags};
 use crate::radar::antenna::Antenna;
 use crate::radar::clock::RunningClocks;
 use crate::radar::fault::{RadarError, RadarFault, check_numbers, check_references, mounts};
 use crate::radar::link::Link;
+use crate::radar::rain::attenuation_db_per_km;
 use crate::scene::radar::{Aim, Pair, Polarisation};
 use crate::scene::{Radar, Scene, Target};
 use crate::time::TimeTag;
@@ -169,9 +185,14 @@ pub struct PathGenerator {
     aspects: Vec<Option<Aspect>>,
     /// What lifts targets that float; empty where none does.
     heaves: Arc<Vec<Option<Heave>>>,
+    /// Land that hides targets.
+    hills: Option<Arc<Hills>>,
     /// Paths of targets by the sea, and what reflects them; empty where nothing does.
     images: Vec<Image>,
     mirror: Option<Mirror>,
+    /// Ships that echo by their mesh.
+    ships: Ships,
+    rain: Option<RainPlan>,
     seed: u64,
     pulse_length_s: f64,
     tracks: Vec<PlatformTracks>,
@@ -196,6 +217,8 @@ pub struct Workspace {
     other: Emission,
     amplitude: Vec<Complex64>,
     sea: Option<SeaWork>,
+    /// Of antennas.
+    places: Vec<Point<Enu>>,
     /// What this thread has spent.
     pub costs: Costs,
 }
@@ -237,7 +260,7 @@ impl PathGenerator {
                     radar.transmitters[pair.transmitter].power_w,
                     radar.wavelength_m(),
                     radar.losses_db,
-                    radar.atmosphere_db_per_km,
+                    radar.atmosphere_db_per_km + attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph),
                 ),
                 channels: radar
                     .channels
@@ -258,8 +281,11 @@ impl PathGenerator {
             targets,
             aspects,
             heaves: Arc::default(),
+            hills: None,
             images: Vec::new(),
             mirror: None,
+            ships: Ships::default(),
+            rain: None,
             seed: scene.seed,
             pulse_length_s,
             tracks,
@@ -274,16 +300,22 @@ impl PathGenerator {
             clocks: None,
             report_steered: partition::report_steered(radar),
         };
+        let counts = [radar.transmitters.len(), radar.receivers.len()];
         built.check_cover(0.0, &mut faults);
         if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {
             let patch_mps = built.patch_speed_mps(sea)?;
             let interval_s = 1.0 / built.radar.emissions.mean_prf_hz();
-            built.hold_pulses = sea::hold_pulses(patch_mps, sea.patch.facet_m, interval_s);
+            built.hold_pulses = patch_run::hold_pulses(patch_mps, sea.patch.facet_m, interval_s);
             let hold_s = built.hold_pulses.map_or(f64::INFINITY, |pulses| pulses as f64 * interval_s);
             let (patches, nears_horizon) = (built.patches(sea)?, built.nears_horizon(sea)?);
-            let run = sea::Run { patches, patch_mps, hold_s, nears_horizon };
-            built.sea = SeaPlan::new(scene, sea, &run, &mut faults).map(Arc::new);
+            let hulls = scene.ships.iter().any(|ship| !ship.panels.is_empty());
+            let run = patch_run::PatchRun { patches, patch_mps, hold_s, nears_horizon, hulls };
+            let plan = SeaPlan::new(scene, sea, &run, &mut faults);
+            if let Some((plan, ships)) = plan.map(|plan| plan.with_ships(&scene.ships, counts, built.frame)) {
+                (built.sea, built.ships) = (Some(Arc::new(plan)), ships);
+            }
             built.heaves = Arc::new(built.lifted_by(built.sea.as_deref()));
+            built.hills = built.hidden_by(built.sea.as_deref()).map(Arc::new);
             built.mirror = built.sea.as_ref().map(|sea| Mirror {
                 earth: built.frame.earth(),
                 permittivity: sea.scattering.permittivity(),
@@ -291,6 +323,12 @@ impl PathGenerator {
                 wave_number_rad_m: TAU / radar.wavelength_m(),
             });
             built.images = built.mirror.map_or_else(Vec::new, |_| multipath::images(&built.targets));
+        }
+        if faults.is_empty() && built.pulses > 0 {
+            if built.sea.is_none() {
+                built.ships = Ships::new(&scene.ships, counts, None);
+            }
+            built.fastest_target_mps = built.fastest_target_mps.max(built.ships.fastest_mps());
         }
         if faults.is_empty() {
             match built.longest_delay_s() {
@@ -302,30 +340,8 @@ impl PathGenerator {
             return Err(RadarError::Faults(faults));
         }
         built.axes_span_s = built.longest_delay_s()?;
+        built.let_it_rain(scene)?;
         Ok(built)
-    }
-
-    /// What lifts the targets that float on a sea, and hides them; empty where none floats.
-    fn lifted_by(&self, sea: Option<&SeaPlan>) -> Vec<Option<Heave>> {
-        let Some(sea) = sea else { return Vec::new() };
-        if self.targets.iter().all(|target| target.floating.is_none()) {
-            return Vec::new();
-        }
-        let last_s = self.radar.emissions.interval_s(0, self.pulses.saturating_sub(1));
-        let crests = sea.visibility.as_ref().filter(|visibility| visibility.waves).map(|visibility| Crests {
-            edge: visibility.settings.edge,
-            facet_m: sea.patch.facet_m,
-            reach_m: sea.reach_m,
-            antennas: visibility.ends,
-        });
-        let mut known: HashMap<u64, Arc<[Wave]>> = HashMap::new();
-        let of = |target: &Target| {
-            let waterline_m = target.floating?.waterline_m;
-            let known = known.entry(waterline_m.to_bits());
-            let waves = known.or_insert_with(|| heave::waves(&sea.surface, waterline_m));
-            Some(Heave::new(target, &self.frame, Arc::clone(waves), crests, last_s))
-        };
-        self.targets.iter().map(of).collect()
     }
 
     /// The same with clocks that are wrong: windows open by them.
@@ -337,8 +353,10 @@ impl PathGenerator {
     /// trajectory.
     pub fn set_tracks(&mut self, tracks: Vec<PlatformTracks>) {
         self.tracks = tracks;
-        // What crests hide was found from the others.
+        // What crests and land hide was found from the others.
         self.heaves = Arc::new(self.lifted_by(self.sea.as_deref()));
+        self.hills = self.hidden_by(self.sea.as_deref()).map(Arc::new);
+        self.ships = self.ships.renewed();
     }
 
     /// The pair of each channel.
@@ -363,7 +381,8 @@ impl PathGenerator {
         // The sea's own buffers are large, and blocks of pulses do without them: they are made when they are
         // first asked for.
         let costs = Costs::default();
-        Workspace { own: Emission::default(), other: Emission::default(), amplitude, sea: None, costs }
+        let [own, other] = [(); 2].map(|()| Emission::default());
+        Workspace { own, other, amplitude, sea: None, places: Vec::new(), costs }
     }
 
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,
@@ -384,33 +403,26 @@ impl PathGenerator {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, other, amplitude, sea, costs } = workspace;
         paths.clear();
-        self.evaluate(index, own)?;
-        self.fill_record(index, own, record)?;
+        self.evaluate(index, &mut workspace.own)?;
+        self.fill_record(index, &workspace.own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
-        let in_window = self.emissions_in_window(index, own, &window)?;
-        costs.lap(Stage::Record);
-        for emitted in in_window.start..in_window.end.min(index) {
-            self.evaluate(emitted, other)?;
-            let reception = self.reception(index, emitted, other, window);
-            self.append(&reception, amplitude, paths);
-            self.append_sea(emitted, &reception, sea, costs, paths)?;
-        }
+        let in_window = self.emissions_in_window(index, &workspace.own, &window)?;
+        workspace.costs.lap(Stage::Record);
+        self.append_others(index, in_window.start..in_window.end.min(index), window, workspace, paths)?;
+        let Workspace { own, amplitude, sea, costs, places, .. } = &mut *workspace;
         let reception = self.reception(index, index, own, window);
-        if self.append(&reception, amplitude, paths) {
+        if self.append(&reception, amplitude, paths) || self.ships_reach_outside(index, &reception)? {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
+        self.append_ships(index, &reception, amplitude, paths)?;
         if in_window.contains(&index) {
-            self.append_sea(index, &reception, sea, costs, paths)?;
+            self.append_sea(index, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
         }
-        for emitted in in_window.start.max(index + 1)..in_window.end {
-            self.evaluate(emitted, other)?;
-            let reception = self.reception(index, emitted, other, window);
-            self.append(&reception, amplitude, paths);
-            self.append_sea(emitted, &reception, sea, costs, paths)?;
-        }
-        costs.lap(Stage::ScattererPaths);
+        let rained = self.append_rain(&reception, (places, amplitude), paths);
+        rained.map_err(|failure| self.track_error(index, failure))?;
+        self.append_others(index, in_window.start.max(index + 1)..in_window.end, window, workspace, paths)?;
+        workspace.costs.lap(Stage::ScattererPaths);
         Ok(())
     }
 
@@ -475,6 +487,7 @@ impl PathGenerator {
             targets: &self.targets,
             aspects: &self.aspects,
             heaves: &self.heaves,
+            hills: self.hills.as_deref(),
             images: &self.images,
             mirror: self.mirror.as_ref(),
             seed: self.seed,
@@ -525,7 +538,8 @@ impl PathGenerator {
         emission: &Emission,
         window: Window,
     ) -> Result<Option<(f64, f64)>, RadarError> {
-        let targets = emission.delay_span_s();
+        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        let targets = self.with_ships(emission.delay_span_s(), emission, elapsed_s);
         let Some(sea) = &self.sea else { return Ok(targets) };
         let reception = self.reception(index, index, emission, window);
         let patch = sea

@@ -151,12 +151,16 @@ impl PathGenerator {
                 record.flags |= flags::OUTSIDE_WINDOW;
             }
         }
+        if record.flags & flags::OUTSIDE_WINDOW == 0 && self.ships_reach_outside(index, &reception)? {
+            record.flags |= flags::OUTSIDE_WINDOW;
+        }
         costs.lap(Stage::Record);
         Ok(())
     }
 
-    /// Targets, their images in the sea and direct paths of a pulse, always the same ones in the same order, whether they are received
-    /// or not, with their steady amplitudes: without [`Self::variations`].
+    /// Targets, their images in the sea, direct paths and panels of ships of a pulse, always the same ones in the
+    /// same order, whether they are received or not, with their steady amplitudes: without
+    /// [`Self::variations`].
     ///
     /// # Errors
     /// A pulse outside of the run, or that its tracks do not cover.
@@ -175,12 +179,13 @@ impl PathGenerator {
         own.variation.clear();
         let reception = self.reception(index, index, own, Window::UNBOUNDED);
         self.append_every(&reception, amplitude, paths);
+        self.append_every_panel(&reception, amplitude, paths);
         Ok(())
     }
 
     /// Whether the amplitude of any target varies otherwise than with its path.
     pub fn varies(&self) -> bool {
-        self.circumstances().varies()
+        self.circumstances().varies() || !self.ships.is_empty()
     }
 
     /// Whether directions to targets are found at every pulse, for cross sections that depend on them.
@@ -203,8 +208,12 @@ impl PathGenerator {
         (0..).zip(&self.targets).map(of).collect()
     }
 
-    /// Whether waves lift the target of a point.
+    /// Whether waves move the target or the ship of a point.
     pub fn is_lifted(&self, point: usize) -> bool {
+        let first_panel = self.point_count() - self.ships.len();
+        if point >= first_panel {
+            return self.ships.is_moved(point - first_panel);
+        }
         let image = point.checked_sub(self.targets.len()).and_then(|n| self.images.get(n));
         let target = image.map_or(point, |image| image.target);
         self.heaves.get(target).is_some_and(Option::is_some)
@@ -231,13 +240,13 @@ impl PathGenerator {
         own.vary(&self.circumstances(), index, elapsed_s, most_of_run)
             .map_err(|failure| self.track_error(index, failure))?;
         out.clone_from(&own.variation);
-        out.resize(self.point_count() * self.pairs.len(), 1.0);
-        Ok(())
+        out.resize((self.point_count() - self.ships.len()) * self.pairs.len(), 1.0);
+        self.ship_weights(index, elapsed_s, out)
     }
 
     /// How many of them there are.
     pub fn point_count(&self) -> usize {
-        self.targets.len() + self.images.len() + usize::from(self.radar.direct_path)
+        self.targets.len() + self.images.len() + usize::from(self.radar.direct_path) + self.ships.len()
     }
 
     /// Appends targets and direct paths whether they are received or not.

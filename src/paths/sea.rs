@@ -7,33 +7,38 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
-use num_complex::Complex64;
-
-use super::facets::{CHUNK, Chunk, Reception, motion};
-use super::visibility::{MOST_ENDS, Updates, Visibility};
-use crate::frames::{Enu, Point};
+use super::breaking::BreakingPlan;
+use super::facets::{CHUNK, Chunk, Reception, Surfaces, motion};
+use super::patch_run::PatchRun;
+use super::phasors::Phasors;
+use super::ships::{Seas, Ships};
+use super::visibility::{MOST_ENDS, Mix, Updates, Visibility};
+use crate::frames::{Enu, Point, SceneFrame};
 use crate::geometry::shadow::{self, Edge, Map, half_slope_change_rad};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::paths::emission::TrackFailure;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::fault::{RadarFault, SeaFault, TrackUse};
+use crate::scattering::land::LandScattering;
 use crate::scattering::lanes::LaneWater;
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::radar::AntennaMount;
-use crate::scene::sea::{LightWinds, PatchPlace, Sea, Shadowing};
-use crate::scene::{Patch, Scene};
+use crate::scene::sea::{Breaking, LightWinds, PatchPlace, Sea, Waves};
+use crate::scene::{Land, Patch, Scene, Ship};
+use crate::sea::breaking::Law;
 use crate::sea::facet_surface::FacetSurface;
 use crate::sea::fleet::{self, Fleet};
+use crate::sea::land::{Dem, LandError, LandSheet};
 use crate::sea::realise::{RealiseError, Realised, realise};
 use crate::sea::spectrum::light_wind::that_scatters;
+use crate::sea::surface::choppy::Choppy;
+use crate::sea::surface::modulation::Strength;
 use crate::sea::surface::{Fields, Selection, Surface};
 use crate::sea::wake::course::Pose;
 use crate::sea::wake::{Wake, WakeError};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
-/// Rows that a patch may always move between updates of its shadows, however small it is.
-const LEAST_MARGIN: usize = 64;
 /// Faster than any water, m/s.
 const FASTEST_WATER_MPS: f64 = 100.0;
 /// Rms heights by which waves may stand out of the mean surface, for bounds on delays.
@@ -52,9 +57,21 @@ pub(super) struct SeaPlan {
     /// The same for facets side by side.
     pub lanes: LaneWater,
     pub visibility: Option<Visibility>,
+    pub breaking: Option<BreakingPlan>,
     pub displacement: bool,
+    pub choppy: Option<Choppy>,
     /// How far waves may carry a facet from its grid position, m.
     pub reach_m: f64,
+    pub land: Option<LandPlan>,
+}
+
+/// The land of a run.
+pub(super) struct LandPlan {
+    /// With the patch of pulse 0 at hand.
+    pub sheet: LandSheet,
+    pub scattering: LandScattering,
+    /// Highest above the sea, m.
+    pub top_m: f64,
 }
 
 impl fmt::Debug for SeaPlan {
@@ -66,67 +83,15 @@ impl fmt::Debug for SeaPlan {
     }
 }
 
-/// How the patch moves in a run.
-pub(super) struct Run {
-    /// Where it lies at some times, s after pulse 0: the first and the last emission, and some between.
-    pub patches: Vec<(f64, Patch)>,
-    /// A bound on its speed, m/s.
-    pub patch_mps: f64,
-    /// How long a patch that follows stays where it is, s.
-    pub hold_s: f64,
-    /// Whether the patch comes near the horizon of an antenna.
-    pub nears_horizon: bool,
-}
-
-/// Longest time for which a patch that follows stays, s, and facets that it may jump then.
-const LONGEST_HOLD_S: f64 = 0.5;
-const FACETS_A_JUMP: f64 = 16.0;
-
-/// How many pulses a patch that follows at a speed stays where it is: a choice of the model, which knows no
-/// blocks, but a number with many divisors, so that blocks fit. `None` where it stays for good.
-pub(super) fn hold_pulses(patch_mps: f64, facet_m: f64, interval_s: f64) -> Option<u64> {
-    const ROUND: [u64; 9] = [24, 18, 12, 9, 6, 4, 3, 2, 1];
-    if patch_mps == 0.0 {
-        return None;
+impl LandPlan {
+    fn new(scene: &Scene, land: &Land, run: &PatchRun) -> Result<Self, LandError> {
+        let patches: Vec<Patch> = run.patches.iter().map(|(_, patch)| *patch).collect();
+        let dem = Arc::new(Dem::open(land, scene.frame, scene.seed, &patches)?);
+        let top_m = dem.top_m();
+        let mut sheet = LandSheet::new(dem);
+        patches.first().iter().for_each(|patch| sheet.place(patch));
+        Ok(Self { sheet, scattering: LandScattering::new(land), top_m })
     }
-    let longest_s = LONGEST_HOLD_S.min(FACETS_A_JUMP * facet_m / patch_mps);
-    let most = (longest_s / interval_s).floor() as u64;
-    let held = if most >= 36 { most / 36 * 36 } else { ROUND.into_iter().find(|n| *n <= most).unwrap_or(1) };
-    Some(held)
-}
-
-impl Run {
-    /// How visibility is found: where waves hide nothing, the earth may.
-    fn shadowing(&self, sea: &Sea) -> Option<Shadowing> {
-        let of_earth =
-            || self.nears_horizon.then_some(Shadowing { width_rad: Some(0.0), ..Shadowing::default() });
-        sea.shadow.or_else(of_earth)
-    }
-
-    /// Rows by which an update of the shadows must exceed the patch on each side, so that it has every facet
-    /// asked for until the next: what the patch moves between the two, and while it is held.
-    fn margin(&self, sea: &Sea) -> Result<usize, SeaFault> {
-        let (PatchPlace::Follow { .. }, Some(shadow)) = (&sea.place, self.shadowing(sea)) else {
-            return Ok(0);
-        };
-        let facet_m = sea.patch.facet_m;
-        let rows = (self.patch_mps * (shadow.update_s + self.hold_s) / facet_m).ceil() as usize + 1;
-        let most = sea.patch.facets[0].max(sea.patch.facets[1]).max(LEAST_MARGIN);
-        if rows > most {
-            let update_ms = 1e3 * ((most - 1) as f64 * facet_m / self.patch_mps - self.hold_s).max(0.0);
-            return Err(SeaFault::SlowUpdates { rows, most, update_ms });
-        }
-        Ok(rows)
-    }
-}
-
-/// Random phasors of the facets at hand. A facet's place is its key modulo the patch, so that what moves is
-/// only what enters.
-#[derive(Clone)]
-struct Phasors {
-    keys: Vec<Option<[i64; 2]>>,
-    phasors: Vec<Complex64>,
-    mechanisms: usize,
 }
 
 /// Buffers of one thread.
@@ -201,7 +166,7 @@ impl SeaWork {
 
 impl SeaPlan {
     /// Draws the sea of a scene and prepares its scattering.
-    pub fn new(scene: &Scene, sea: &Sea, run: &Run, faults: &mut Vec<RadarFault>) -> Option<Self> {
+    pub fn new(scene: &Scene, sea: &Sea, run: &PatchRun, faults: &mut Vec<RadarFault>) -> Option<Self> {
         let realised =
             realise(sea, scene.seed).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
         let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
@@ -223,7 +188,7 @@ impl SeaPlan {
         sea: &Sea,
         realised: Realised,
         fleet: Fleet,
-        run: &Run,
+        run: &PatchRun,
         margin: usize,
     ) -> Result<Self, SeaFault> {
         let last_s = run.patches.last().map_or(0.0, |&(time_s, _)| time_s);
@@ -232,6 +197,10 @@ impl SeaPlan {
         if shadowing.is_some() && antennas > MOST_ENDS {
             return Err(SeaFault::Antennas { antennas, most: MOST_ENDS });
         }
+        let land = match &sea.land {
+            Some(land) => Some(LandPlan::new(scene, land, run)?),
+            None => None,
+        };
         let Realised { wind, spectrum, surface } = realised;
         let carrier_hz = scene.radar.carrier_hz;
         let sight = Sight { carrier_hz, seed: scene.seed, spectrum: SpectrumPath::Exact };
@@ -246,18 +215,37 @@ impl SeaPlan {
         };
         let scattering = WaterScattering::new(sea, &wind, Arc::from(spectrum), &strips, sight)?
             .with_short_waves(short_waves);
+        let law = match sea.scattering.breaking {
+            Breaking::Whitecaps => Law::new(wind.u10_mps, wind.direction_rad, scene.seed),
+            Breaking::Off => None,
+        };
+        let breaking = law
+            .map(|law| {
+                let follows = sea.place != PatchPlace::Fixed;
+                BreakingPlan::new(law, &surface, (&sea.patch, follows), land.as_ref().map(|land| &land.sheet))
+            })
+            .transpose()?;
+        let scattering = match scattering.relaxation_per_s() {
+            Some(rate_per_s) => scattering.with_strength(Strength::of(&surface, rate_per_s)),
+            None => scattering,
+        };
+        let choppy = (sea.waves == Waves::Choppy).then(|| Choppy::of(&surface));
+        let raised_m = choppy.map_or(0.0, |choppy| choppy.most_m(CREST_RMS));
         let mut plan = Self {
             patch: sea.patch,
             place: sea.place.clone(),
             hold_s: run.hold_s,
             last_s,
-            reach_m: 1.0 + CREST_RMS * surface.expected().variance_m2.sqrt() + crest_m(&wakes),
+            reach_m: 1.0 + CREST_RMS * surface.expected().variance_m2.sqrt() + crest_m(&wakes) + raised_m,
             surface,
             wakes,
             lanes: scattering.lanes(),
             scattering,
             visibility: None,
+            breaking,
             displacement: sea.scattering.displacement,
+            choppy,
+            land,
         };
         if let Some(shadowing) = &shadowing {
             let width_rad = match shadowing.width_rad {
@@ -276,6 +264,8 @@ impl SeaPlan {
                 update_s: shadowing.update_s,
                 margin,
                 ends: antennas,
+                land: plan.land.as_ref().map(|land| land.sheet.clone()),
+                hulls: None,
             };
             // Whether its maps are legal shows here and not at the first pulse.
             visibility.check::<SeaFault>(&plan.wakes, &plan.patch)?;
@@ -299,8 +289,11 @@ impl SeaPlan {
     pub fn work(&self, pairs: usize, channels: usize) -> Option<SeaWork> {
         // That they are legal was found out when the plan was made.
         let facet_surface = FacetSurface::<f64>::new(&self.surface, self.selection())
+            .with_relaxation(self.scattering.relaxation_per_s())
+            .with_choppy(self.choppy)
             .with_wakes(&self.wakes, &self.patch)
-            .ok()?;
+            .ok()?
+            .with_land(self.land.as_ref().map(|land| &land.sheet));
         let updates = match &self.visibility {
             Some(visibility) => {
                 Some(visibility.updates::<f64, SeaFault>(&self.surface, &self.wakes, &self.patch).ok()?)
@@ -308,17 +301,12 @@ impl SeaPlan {
             None => None,
         };
         let mechanisms = self.scattering.mechanisms();
-        let facets = self.patch.len();
         let mut poses = Vec::new();
         self.scattering.poses(0.0, &mut poses);
         Some(SeaWork {
             fields: facet_surface.fields(&self.patch),
             facet_surface,
-            phasors: Phasors {
-                keys: vec![None; facets],
-                phasors: vec![Complex64::ZERO; facets * mechanisms],
-                mechanisms,
-            },
+            phasors: Phasors::new(self.patch.len(), mechanisms),
             updates,
             poses,
             chunk: Chunk::new(pairs, channels, mechanisms),
@@ -332,8 +320,19 @@ impl SeaPlan {
             velocity: true,
             horizontal_acceleration: self.displacement,
             displacement: self.displacement,
+            modulation: self.scattering.relaxation_per_s().is_some(),
             ..Selection::HEIGHT
         }
+    }
+
+    /// The ships of its scene, which ride its waves and hide what is behind them.
+    pub fn with_ships(mut self, ships: &[Ship], antennas: [usize; 2], frame: SceneFrame) -> (Self, Ships) {
+        let seas = Seas { surface: &self.surface, last_s: self.last_s };
+        let ships = Ships::new(ships, antennas, Some(seas));
+        if let Some(visibility) = &mut self.visibility {
+            visibility.hulls = ships.hulls(frame);
+        }
+        (self, ships)
     }
 
     /// Whether facets forget their phases.
@@ -360,7 +359,8 @@ impl SeaPlan {
     pub fn delay_span_s(&self, patch: &Patch, reception: &Reception) -> Option<(f64, f64)> {
         let transmitters = reception.radar.transmitters.len();
         let centres = &reception.emission.centres;
-        let side = 0.5 * patch.facet_m + self.reach_m;
+        let running_m = self.breaking.as_ref().map_or(0.0, BreakingPlan::reach_m);
+        let side = 0.5 * patch.facet_m + self.reach_m.max(running_m);
         let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
         let (low, high) =
             (patch.centre_m(patch.first).map(|x| x - side), patch.centre_m(last).map(|x| x + side));
@@ -370,7 +370,8 @@ impl SeaPlan {
         let inner = [0, 1].map(|i| 0f64.clamp(low[i], high[i]));
         let corners = [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]];
         let deepest = corners.iter().map(|c| earth.drop_m(c[0], c[1])).fold(0.0, f64::max);
-        let (floor, ceiling) = (-deepest - self.reach_m, self.reach_m - earth.drop_m(inner[0], inner[1]));
+        let top_m = self.reach_m.max(self.land.as_ref().map_or(0.0, |land| land.top_m));
+        let (floor, ceiling) = (-deepest - self.reach_m, top_m - earth.drop_m(inner[0], inner[1]));
         let nearest_m = |p: [f64; 3]| {
             let d = [
                 p[0] - p[0].clamp(low[0], high[0]),
@@ -418,7 +419,7 @@ impl SeaPlan {
         costs: &mut Costs,
         mut each: impl FnMut(&Chunk),
     ) -> Result<(), SeaFailure> {
-        let SeaWork { facet_surface, fields, phasors, updates, poses, chunk } = work;
+        let SeaWork { facet_surface, fields, phasors, updates, poses, chunk, .. } = work;
         costs.lap(Stage::ScattererPaths);
         facet_surface.evaluate(reception.elapsed_s, patch, fields)?;
         costs.lap(Stage::Surface);
@@ -446,7 +447,16 @@ impl SeaPlan {
                     kinds[place] = self.scattering.kind_at(patch.centre_m(patch.key(index)), poses);
                 }
             }
-            for kind in 0..self.scattering.kinds() {
+            // Land is a kind of its own, after those of the water.
+            let (water_kinds, mut land_kinds) = (self.scattering.kinds(), 0);
+            if let Some(land) = facet_surface.land() {
+                for (kind, land) in kinds.iter_mut().zip(&land.land()[first..end]) {
+                    if *land > 0.0 {
+                        (*kind, land_kinds) = ((water_kinds, 0.0), 1);
+                    }
+                }
+            }
+            for kind in 0..water_kinds + land_kinds {
                 chunk.clear();
                 for (index, &(its_kind, cover)) in (first..end).zip(&kinds) {
                     if its_kind != kind {
@@ -461,10 +471,20 @@ impl SeaPlan {
                     }
                     let fall = earth.drop_slope(place_m[0], place_m[1]);
                     let slope = [fields.slope[0][index] - fall[0], fields.slope[1][index] - fall[1]];
-                    chunk.take(index, slope, cover, phasors.of(patch, key));
+                    let [xx, yy, xy] = &fields.modulation;
+                    let strain = (!xx.is_empty()).then(|| [xx[index], yy[index], xy[index]]);
+                    chunk.take(index, slope, strain, cover, phasors.of(patch, key));
+                    if let Some(&area) = fields.area.get(index) {
+                        chunk.stretch_last(area);
+                    }
                 }
                 if !chunk.index.is_empty() {
-                    chunk.scatter(reception, (&self.scattering, poses), kind, patch);
+                    let land = facet_surface.land().filter(|_| kind == water_kinds);
+                    let surface = match (land, &self.land) {
+                        (Some(sheet), Some(LandPlan { scattering, .. })) => Surfaces::Land(scattering, sheet),
+                        _ => Surfaces::Water(&self.scattering, poses, kind),
+                    };
+                    chunk.scatter(reception, surface, patch);
                     each(chunk);
                 }
             }
@@ -472,6 +492,25 @@ impl SeaPlan {
         }
         costs.lap(Stage::ScattererPaths);
         Ok(())
+    }
+
+    /// The patch of an emission that was visited, and the visibility of its facets.
+    pub fn seen<'a>(
+        &'a self,
+        reception: &Reception,
+        work: &'a mut SeaWork,
+    ) -> Result<(Patch, Option<Mix<'a>>), SeaFailure> {
+        let earth = reception.surroundings.frame.earth();
+        let mix = match (&self.visibility, &mut work.updates) {
+            (Some(visibility), Some(updates)) => Some(visibility.at(
+                updates,
+                reception.elapsed_s,
+                |elapsed_s, places| self.scenery(reception, elapsed_s, places),
+                |[x, y]| earth.drop_m(x, y),
+            )?),
+            _ => None,
+        };
+        Ok((self.patch_at(&reception.surroundings, reception.elapsed_s)?, mix))
     }
 
     /// Patch and antennas at a time after pulse 0. A track that ends before goes straight on from the last
@@ -502,30 +541,6 @@ impl SeaPlan {
         match self.patch_at(of, elapsed_s) {
             Err(_) if elapsed_s > self.last_s => Ok(self.patch_at(of, self.last_s)?),
             patch => Ok(patch?),
-        }
-    }
-}
-
-impl Phasors {
-    fn place(&self, patch: &Patch, key: [i64; 2]) -> usize {
-        let [nx, ny] = patch.facets;
-        key[1].rem_euclid(ny as i64) as usize * nx + key[0].rem_euclid(nx as i64) as usize
-    }
-
-    fn of(&self, patch: &Patch, key: [i64; 2]) -> &[Complex64] {
-        let place = self.place(patch, key) * self.mechanisms;
-        &self.phasors[place..place + self.mechanisms]
-    }
-
-    fn prepare(&mut self, scattering: &WaterScattering, patch: &Patch, t_s: f64) {
-        for index in 0..patch.len() {
-            let key = patch.key(index);
-            let place = self.place(patch, key);
-            if self.keys[place] != Some(key) || scattering.decorrelates() {
-                self.keys[place] = Some(key);
-                let begin = place * self.mechanisms;
-                scattering.phasors(key, t_s, &mut self.phasors[begin..begin + self.mechanisms]);
-            }
         }
     }
 }

@@ -41,6 +41,24 @@ impl Snapshot {
         self.amplitude[channel].iter().map(dbw).collect()
     }
 
+    /// Facets that return something in any channel, and how many of them a window receives.
+    pub fn counts(&self) -> (usize, usize) {
+        let returns = |facet: &usize| self.amplitude.iter().any(|channel| channel[*facet].norm_sqr() > 0.0);
+        let (mut illuminated, mut received) = (0, 0);
+        for facet in (0..self.patch.len()).filter(returns) {
+            illuminated += 1;
+            received += usize::from(self.received.iter().any(|pair| pair[facet]));
+        }
+        (illuminated, received)
+    }
+
+    /// Powers of the strongest facet in a channel and of all, dBW; none where nothing returns.
+    pub fn levels_dbw(&self, channel: usize) -> Option<[f64; 2]> {
+        let power = self.amplitude[channel].iter().map(|a| a.norm_sqr());
+        let (strongest, sum) = (power.clone().fold(0.0, f64::max), power.sum());
+        (strongest > 0.0).then(|| [strongest, sum].map(|power: f64| 10.0 * power.log10()))
+    }
+
     /// Power of the received facets along the edge of the patch over that of all received facets, dB, in the
     /// worst channel: what comes and goes when the patch moves by one row. Negative infinity where nothing is
     /// received.

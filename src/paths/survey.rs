@@ -44,6 +44,11 @@ impl PathGenerator {
             let window = Window::new(&self.radar, 0.0, self.pulse_length_s);
             let span = self.delay_span_s(index, &emission, window)?;
             longest_s = longest_s.max(span.map_or(0.0, |(_, most)| most));
+            if self.radar.rain_clutter.is_some() {
+                // Rain fills the window.
+                let length_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+                longest_s = longest_s.max(self.window_start_of(index)? + length_s);
+            }
         }
         Ok(longest_s)
     }
@@ -113,7 +118,7 @@ impl PathGenerator {
     }
 
     /// A few dozen pulses spread over the run, the first and the last among them.
-    fn checked_pulses(&self) -> impl Iterator<Item = u64> + use<> {
+    pub(super) fn checked_pulses(&self) -> impl Iterator<Item = u64> + use<> {
         let last = self.pulses.saturating_sub(1);
         let count = CHECKED_PULSES.min(last);
         (0..=count).map(move |step| (u128::from(last) * u128::from(step) / u128::from(count.max(1))) as u64)

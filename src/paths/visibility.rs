@@ -7,13 +7,15 @@
 //! the nearest facet within.
 //!
 //! What lies beyond the horizon of an antenna on a curved earth is hidden besides ([`horizon`]), each facet
-//! by its own height.
+//! by its own height. Ships that echo by their mesh hide what lies behind and under them ([`Hulls`]).
 
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
 use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
+use crate::paths::ships::Hulls;
 use crate::scene::Patch;
 use crate::sea::facet_surface::FacetSurface;
+use crate::sea::land::LandSheet;
 use crate::sea::surface::fields::Real;
 use crate::sea::surface::{Fields, Selection, Surface};
 use crate::sea::wake::{Wake, WakeError};
@@ -32,6 +34,10 @@ pub(super) struct Visibility {
     pub margin: usize,
     /// Antennas.
     pub ends: usize,
+    /// Land among the facets.
+    pub land: Option<LandSheet>,
+    /// Ships that hide facets.
+    pub hulls: Option<Hulls>,
 }
 
 /// Weights at one update.
@@ -131,7 +137,9 @@ impl Visibility {
     ) -> Result<Updates<T>, E> {
         let grown = patch.grown(self.margin);
         let shadow = self.shadow(&grown)?;
-        let facet_surface = FacetSurface::<T>::new(surface, Selection::HEIGHT).with_wakes(wakes, &grown)?;
+        let facet_surface = FacetSurface::<T>::new(surface, Selection::HEIGHT)
+            .with_wakes(wakes, &grown)?
+            .with_land(self.land.as_ref());
         let update = self.empty(&grown);
         let heights_m = vec![0.0; grown.len()];
         Ok(Updates {
@@ -181,14 +189,17 @@ impl Visibility {
         let mut places = [Point::new(0.0, 0.0, 0.0); MOST_ENDS];
         let places = &mut places[..self.ends];
         update.patch = scenery(time_s, places)?.grown(self.margin);
-        if !self.waves && places.iter().all(|place| self.within_horizon(*place, &update.patch)) {
+        if !self.waves
+            && self.hulls.is_none()
+            && places.iter().all(|place| self.within_horizon(*place, &update.patch))
+        {
             update.illuminated.fill(true);
             update.number = Some(wanted);
             return Ok(update);
         }
         facet_surface.evaluate(time_s, &update.patch, fields)?;
         heights_m.iter_mut().zip(&fields.height_m).for_each(|(to, from)| *to = from.widen());
-        self.weigh(shadow, heights_m, lower, places, update)?;
+        self.weigh(shadow, time_s, heights_m, lower, places, update)?;
         update.number = Some(wanted);
         Ok(update)
     }
@@ -197,20 +208,21 @@ impl Visibility {
     pub fn weigh_heights<E: From<ShadowError>>(
         &self,
         shadow: &mut Shadow<f64>,
-        patch: &Patch,
+        (time_s, patch): (f64, &Patch),
         heights_m: &mut [f64],
         places: &[Point<Enu>],
         lower: impl Fn([f64; 2]) -> f64,
         update: &mut Update,
     ) -> Result<(), E> {
         update.patch = *patch;
-        self.weigh(shadow, heights_m, lower, places, update)?;
+        self.weigh(shadow, time_s, heights_m, lower, places, update)?;
         Ok(())
     }
 
     fn weigh(
         &self,
         shadow: &mut Shadow<f64>,
+        time_s: f64,
         heights_m: &mut [f64],
         lower: impl Fn([f64; 2]) -> f64,
         places: &[Point<Enu>],
@@ -235,7 +247,7 @@ impl Visibility {
             let place = places[antenna];
             let waves = self.waves && !relief.cannot_shadow(&map, place, self.settings);
             let earth = !self.within_horizon(place, patch);
-            update.illuminated[antenna] = !waves && !earth;
+            let mut whole = !waves && !earth;
             let weights = &mut update.weights[antenna];
             if waves {
                 shadow.weights(&map, place, weights)?;
@@ -245,6 +257,15 @@ impl Visibility {
             if earth {
                 self.set_behind_earth(place, patch, heights_m, weights);
             }
+            if let Some(hulls) = &self.hulls {
+                hulls.hide(time_s, place.raw(), patch, heights_m, |facet| {
+                    if std::mem::take(&mut whole) {
+                        weights.fill(1.0);
+                    }
+                    weights[facet] = 0.0;
+                });
+            }
+            update.illuminated[antenna] = whole;
         }
         Ok(())
     }

@@ -77,6 +77,8 @@ pub(crate) struct BlockWork {
     mean_hz: Vec<f64>,
     /// Of the points of a pulse.
     variations: Vec<f64>,
+    /// `[pulse][point][pair]` of a part of the block.
+    factors: Vec<f64>,
     /// For pulses that are taken in bands of Doppler.
     bands: Option<Bands<f32>>,
     /// Scatterer paths of the block at hand that are spread, over all pairs.
@@ -152,6 +154,7 @@ impl BlockEcho {
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
             variations: Vec::with_capacity(generator.point_count() * pairs),
+            factors: Vec::new(),
             bands: self.band_hz().map(|_| self.synth.bands()),
             spread: 0,
         }
@@ -260,13 +263,48 @@ impl BlockEcho {
             work.spread = (illuminated - culled) * generator.pairs().len();
         }
         if generator.point_count() > 0 {
-            let step = (NODES - 1) * self.gain_pulses;
+            let step = self.pulses_of_points();
             for from in (0..pulses).step_by(step) {
                 self.points(generator, first, from..(from + step).min(pulses), memory, work)?;
             }
             work.spread += work.part.found().spread;
         }
+        let mut exact = 0;
+        if let (Some(patch), true) = (&patch, generator.breakers_alive() > 0.0) {
+            for pulse in 0..pulses {
+                let Some(tiles) = &work.tiles else { break };
+                let index = first + pulse as u64;
+                generator.breakers((index, pulse), patch, tiles, memory, &mut work.nodes[0])?;
+                exact += self.spread_exact(pulse, memory, work)?;
+            }
+        }
+        for pulse in if generator.rains() { 0..pulses } else { 0..0 } {
+            generator.rain_at(first + pulse as u64, memory, &mut work.nodes[0])?;
+            exact += self.spread_exact(pulse, memory, work)?;
+        }
+        work.spread += exact / pulses;
         Ok((first, end))
+    }
+
+    /// Spreads what is found for a pulse of the block alone, breaking waves and rain; says how many paths.
+    fn spread_exact(
+        &self,
+        pulse: usize,
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+    ) -> Result<usize, PulseError> {
+        let BlockWork { nodes, frame, part, grids, .. } = work;
+        let paths = &nodes[0];
+        if paths.is_empty() {
+            memory.costs.lap(Stage::Fill);
+            return Ok(0);
+        }
+        self.synth.fill_part(&[Node { pulse: 0, paths }], frame, pulse..pulse + 1, part)?;
+        check(part.found())?;
+        memory.costs.lap(Stage::Fill);
+        self.synth.spread_part(part, grids);
+        memory.costs.lap(Stage::Spread);
+        Ok(part.found().spread)
     }
 
     /// Mean Doppler of every pair, weighted by received power: of the sea's sample, and of targets at
@@ -284,12 +322,21 @@ impl BlockEcho {
         for (pulse, points) in of_pulses.iter().zip(points.iter_mut()) {
             generator.points(first + *pulse as u64, memory, points)?;
         }
+        // Rain: all three pulses as the middle one.
+        let middle = windows_s.len() / 2;
+        let rain = &mut points[NODES - 1];
+        generator.rain_at(first + middle as u64, memory, rain)?;
+        let (rain, points) = (&points[NODES - 1], &points[..NODES - 1]);
         let facets = generator.facets() as f64;
         mean_hz.clear();
         for pair in 0..generator.pairs().len() {
             let sample = samples.get(pair).copied().unwrap_or_default();
             let of_facets = sample.received_power_w * facets;
-            let (mut received, mut all) = ((0.0, 0.0), (0.0, 0.0));
+            let of_rain =
+                |delay_s| generator.received_share(first + middle as u64, windows_s[middle], delay_s);
+            let of_rain = generator.rates(rain, pair, of_rain);
+            let mut received = (3.0 * of_rain.0, 3.0 * of_rain.1);
+            let mut all = received;
             for (pulse, points) in of_pulses.iter().zip(points.iter()) {
                 let (index, opens_s) = (first + *pulse as u64, windows_s[*pulse]);
                 let share = |delay_s| generator.received_share(index, opens_s, delay_s);
@@ -306,6 +353,11 @@ impl BlockEcho {
         Ok(())
     }
 
+    /// Pulses whose targets, direct paths and panels of ships are found together, at most.
+    pub fn pulses_of_points(&self) -> usize {
+        (NODES - 1) * self.gain_pulses
+    }
+
     /// Targets and direct paths of some pulses of the block.
     fn points(
         &self,
@@ -315,22 +367,27 @@ impl BlockEcho {
         memory: &mut Workspace,
         work: &mut BlockWork,
     ) -> Result<(), PulseError> {
-        let BlockWork { nodes, frame, part, grids, variations, .. } = work;
+        let BlockWork { nodes, frame, part, grids, variations, factors, .. } = work;
         let (at, count) = nodes_within(pulses.len());
         for (node, place) in nodes.iter_mut().zip(&at[..count]) {
             generator.points(first + (pulses.start + place) as u64, memory, node)?;
         }
+        factors.clear();
+        if generator.varies() {
+            for pulse in pulses.clone() {
+                generator.variations(first + pulse as u64, None, memory, variations)?;
+                factors.extend_from_slice(variations);
+            }
+        }
+        generator.leave_out_dark(&mut nodes[..count], factors, pulses.len());
         let mut given = [Node { pulse: 0, paths: &nodes[0] }; NODES];
         for ((node, &pulse), paths) in given.iter_mut().zip(&at).zip(nodes.iter()) {
             *node = Node { pulse, paths };
         }
         self.synth.fill_part(&given[..count], frame, pulses.clone(), part)?;
         check(part.found())?;
-        if generator.varies() {
-            for pulse in pulses {
-                generator.variations(first + pulse as u64, None, memory, variations)?;
-                part.push_factors(variations);
-            }
+        for of_pulse in factors.chunks_exact((factors.len() / pulses.len()).max(1)) {
+            part.push_factors(of_pulse);
         }
         memory.costs.lap(Stage::Fill);
         self.synth.spread_part(part, grids);

@@ -76,6 +76,7 @@ pub struct PulseStream {
     pool: ThreadPool,
     notes: Vec<TrackNote>,
     sea_bytes: u64,
+    ship_bytes: u64,
     live: Option<LiveFlight>,
     changes: Option<Arc<Changes>>,
     control: Option<(Control, CommandQueue)>,
@@ -199,6 +200,16 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
             return Err(BuildErrors(faults));
         }
     };
+    let of_ships = factory.ship_bytes(threads);
+    if let Some(available) = available_bytes().filter(|available| of_ships > *available) {
+        faults.push(BuildError::ShipMemory {
+            paths: factory.ship_paths(),
+            threads,
+            needed_mib: of_ships >> 20,
+            available_mib: available >> 20,
+        });
+        return Err(BuildErrors(faults));
+    }
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|i| format!("generation {i}"))
@@ -228,6 +239,7 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         pool,
         notes,
         sea_bytes: needed,
+        ship_bytes: of_ships,
         levels: Arc::default(),
         live: None,
         control: changes
@@ -322,7 +334,8 @@ impl PulseStream {
     pub fn predicted_bytes(&self) -> u64 {
         let grids = self.factory.grid_bytes().saturating_mul(self.threads() as u64);
         let waiting = (self.waiting_pulses() * self.factory.layout.slot_bytes()) as u64;
-        PROGRAM_BYTES.saturating_add(self.sea_bytes).saturating_add(grids).saturating_add(waiting)
+        let parts = [self.sea_bytes, self.ship_bytes, grids, waiting];
+        parts.into_iter().fold(PROGRAM_BYTES, u64::saturating_add)
     }
 
     /// Slots of the ring and of all queues.

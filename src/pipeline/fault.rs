@@ -138,6 +138,21 @@ pub enum BuildError {
         /// What is free.
         available_mib: u64,
     },
+    /// The same of ships that echo by their mesh.
+    #[error(
+        "ships that echo by {paths} panels and double bounces take about {needed_mib} MiB with {threads} threads, \
+         {available_mib} MiB are available; allowed: larger ship.panel_m, fewer ships with echo or fewer stream.threads"
+    )]
+    ShipMemory {
+        /// Panels and double bounces.
+        paths: usize,
+        /// Workers.
+        threads: usize,
+        /// What they need.
+        needed_mib: u64,
+        /// What is free.
+        available_mib: u64,
+    },
     /// A calibration channel.
     #[error(transparent)]
     Calibration(#[from] CalibrationFault),

@@ -1,10 +1,11 @@
-//! What ships carry: the scatterers of their hulls become point targets.
+//! What ships carry: the scatterers of their hulls become point targets, and ships without any get the panels
+//! of their mesh ([`crate::sea::fleet::panels`]).
 //!
 //! A scatterer stays where its hull's file has it (forward, starboard, down of midship at the waterline) and
 //! sails with the ship: height above the mean sea `-down`, velocity that of the ship. Its name is
 //! `<ship>.<scatterer>`, its echo that of a sphere of the radar cross section in the file, whatever the
-//! length to which the hull is scaled. Limits: the ship does not heave, roll or pitch, nothing hides its
-//! scatterers, and like every target they sail straight on, off the sea of a curved earth (by 0.8 m after 3.2
+//! length to which the hull is scaled. Limits: scatterers neither heave, roll nor pitch, nothing hides
+//! them, and like every target they sail straight on, off the sea of a curved earth (by 0.8 m after 3.2
 //! km).
 //!
 //! ```
@@ -20,6 +21,9 @@ use std::borrow::Cow;
 
 use crate::frames::{Body, Enu, Point, SceneFrame, Vector};
 use crate::pulse::Pulse;
+use crate::scene::hull::Hull;
+use crate::scene::mesh::{self, MeshError};
+use crate::scene::ship::ShipMotion;
 use crate::scene::{Scene, Ship, Target};
 use crate::sea::fleet::{self, FleetError, FleetErrors, ShipError};
 use crate::sea::wake::Course;
@@ -78,7 +82,8 @@ impl ShipTracks {
     }
 }
 
-/// The scene with the scatterers of its ships among its targets, and no ship that echoes by itself any more.
+/// The scene with the scatterers of its ships among its targets, and the panels of ships that echo by their
+/// mesh.
 ///
 /// # Errors
 /// Ships whose hulls cannot be read.
@@ -87,19 +92,32 @@ pub fn with_scatterers(scene: &Scene) -> Result<Cow<'_, Scene>, FleetErrors> {
         return Ok(Cow::Borrowed(scene));
     }
     let mut extended = scene.clone();
-    let mut faults = Vec::new();
-    for ship in scene.ships.iter().filter(|ship| ship.echo) {
-        match targets(ship, &scene.frame, &extended.targets) {
-            Ok(found) => extended.targets.extend(found),
+    let (mut faults, mut together) = (Vec::new(), 0);
+    for (ship, own) in scene.ships.iter().zip(&mut extended.ships).filter(|(ship, _)| ship.echo) {
+        let found = fleet::hull(ship).and_then(|hull| {
+            let panels = fleet::panels(ship, &hull)?;
+            together += panels.len();
+            if together > mesh::MOST_OF_SCENE {
+                return Err(MeshError::Together { own: panels.len(), together }.into());
+            }
+            Ok((targets(ship, &hull, &scene.frame, &extended.targets)?, panels, fleet::form(&hull)))
+        });
+        match found {
+            Ok((found, panels, of_hull)) => {
+                extended.targets.extend(found);
+                own.panels = panels.into();
+                if let ShipMotion::Waves { form, .. } = &mut own.mesh.motion {
+                    *form = Some(of_hull);
+                }
+            }
             Err(source) => faults.push(FleetError { ship: ship.name.clone(), source }),
         }
+        own.echo = false;
     }
-    extended.ships.iter_mut().for_each(|ship| ship.echo = false);
     if faults.is_empty() { Ok(Cow::Owned(extended)) } else { Err(FleetErrors(faults)) }
 }
 
-fn targets(ship: &Ship, frame: &SceneFrame, known: &[Target]) -> Result<Vec<Target>, ShipError> {
-    let hull = fleet::hull(ship)?;
+fn targets(ship: &Ship, hull: &Hull, frame: &SceneFrame, known: &[Target]) -> Result<Vec<Target>, ShipError> {
     let Ship { position_m, heading_rad, speed_mps, .. } = *ship;
     let at = Scatters { position_m, heading_rad, speed_mps };
     let (sin, cos) = heading_rad.sin_cos();

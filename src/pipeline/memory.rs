@@ -5,7 +5,10 @@
 //! | the program and its libraries | [`PROGRAM_BYTES`] |
 //! | the sea that all workers share | [`SHARED_FACET_BYTES`] a facet |
 //! | the sea of a worker: its surface, nodes, shadows, phases | [`WORKER_FACET_BYTES`] a facet |
-//! | shadows of a patch that follows, of a worker of the fast echo | [`FOLLOW_FACET_BYTES`] a facet |
+//! | choppy waves, of a worker | [`CHOPPY_FACET_BYTES`] a facet |
+//! | shadows of a patch that follows, and of choppy waves, of a worker of the fast echo | [`FOLLOW_FACET_BYTES`] a facet |
+//! | ships that echo by their mesh, shared | [`SHARED_PATH_BYTES`] a panel or double bounce |
+//! | the same of a worker | nodes and factors of a block, `path_bytes` each |
 //! | grids of a worker | pulses of a block x cells x 2 floats a channel |
 //! | ring and queues | pulses that wait x bytes of a pulse |
 //!
@@ -15,7 +18,7 @@
 
 use crate::echo::Fidelity;
 use crate::scene::Scene;
-use crate::scene::sea::PatchPlace;
+use crate::scene::sea::{PatchPlace, Waves};
 use std::fs;
 
 /// The program, its libraries, stacks, tables.
@@ -24,7 +27,9 @@ pub const PROGRAM_BYTES: u64 = 26 << 20;
 pub const SHARED_FACET_BYTES: [u64; 2] = [330, 60];
 /// Of each worker, a facet: the reference's, the fast echo's.
 pub const WORKER_FACET_BYTES: [u64; 2] = [700, 430];
-/// Of each worker of the fast echo, a facet, where the patch follows: a surface of its own for the shadows,
+/// More of each worker, a facet, where waves are choppy: four fields, of every node in the fast echo.
+pub const CHOPPY_FACET_BYTES: [u64; 2] = [32, 64];
+/// Of each worker of the fast echo, a facet, where the patch follows or waves are choppy: a surface of its own for the shadows,
 /// and updates that blocks share.
 pub const FOLLOW_FACET_BYTES: u64 = 250;
 
@@ -36,9 +41,22 @@ pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
         Fidelity::Fast(_) => 1,
     };
     let follows = scene.sea.as_ref().is_some_and(|sea| sea.place != PatchPlace::Fixed);
-    let worker = WORKER_FACET_BYTES[n] + if follows && n == 1 { FOLLOW_FACET_BYTES } else { 0 };
+    let choppy = scene.sea.as_ref().is_some_and(|sea| sea.waves == Waves::Choppy);
+    let apart = (follows || choppy) && n == 1;
+    let worker = WORKER_FACET_BYTES[n] + if apart { FOLLOW_FACET_BYTES } else { 0 };
+    let worker = worker + if choppy { CHOPPY_FACET_BYTES[n] } else { 0 };
     let each = SHARED_FACET_BYTES[n].saturating_add(worker.saturating_mul(threads as u64));
     facets.saturating_mul(each)
+}
+
+/// Shared, a path of a ship's mesh: its panel, the tree of its triangles, what is seen at the knots that are kept,
+/// and what the plan of the run follows of it.
+pub const SHARED_PATH_BYTES: u64 = 1500;
+
+/// Of a worker, a path of a ship's mesh, bytes: in lists of a delay, a rate and an amplitude, and its factors in
+/// some pulses.
+pub(crate) fn path_bytes([pairs, channels]: [usize; 2], lists: usize, pulses: usize) -> u64 {
+    (lists * (8 + 16 * pairs + 16 * channels) + 8 * pairs * pulses) as u64
 }
 
 /// Memory that the system says it can give, bytes; `None` where it does not say.

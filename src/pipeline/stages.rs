@@ -15,11 +15,13 @@ use std::sync::Arc;
 use num_complex::{Complex32, Complex64};
 
 use super::block::{BlockEcho, BlockWork};
+use super::memory;
 use super::single::{SingleEcho, SingleWork};
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
 use crate::fidelity::budget::Plan;
 use crate::paths;
+use crate::paths::block::NODES;
 use crate::paths::list::ScattererPaths;
 use crate::paths::snapshot::Snapshot;
 use crate::paths::{BeyondHorizon, PathGenerator};
@@ -187,6 +189,22 @@ impl PulseFactory {
         pulses.saturating_mul(cells).saturating_mul(bytes * self.echo_channels() as u64)
     }
 
+    /// Panels and double bounces of ships that echo by their mesh.
+    pub(crate) fn ship_paths(&self) -> usize {
+        self.generator.ship_paths()
+    }
+
+    /// About what ships that echo by their mesh take with so many workers, bytes.
+    pub(crate) fn ship_bytes(&self, threads: usize) -> u64 {
+        let (lists, pulses) = match &self.echo {
+            Echo::Fast(blocks) => (NODES + 1, blocks.pulses_of_points() + 1),
+            Echo::Reference(_) | Echo::Single(_) => (1, 1),
+        };
+        let sizes = [self.layout.pairs, self.echo_channels()];
+        let each = memory::path_bytes(sizes, lists, pulses).saturating_mul(threads as u64);
+        (self.ship_paths() as u64).saturating_mul(each.saturating_add(memory::SHARED_PATH_BYTES))
+    }
+
     /// Facets of the patch of sea; 0 without one.
     pub fn facets(&self) -> usize {
         self.generator.facets()
@@ -226,6 +244,11 @@ impl PulseFactory {
     /// A pulse that the run does not have, or a track that ends before it.
     pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
         self.generator.beyond_horizon(index)
+    }
+
+    /// Points that stand for rain at a pulse, mean, and in a resolution cell; `None` where it returns no echo.
+    pub fn rain(&self) -> Option<(f64, f64)> {
+        self.generator.rains().then(|| (self.generator.drops(), self.generator.drops_per_cell()))
     }
 
     /// The facets of the sea as a pulse's emission illuminates them, one snapshot for each of `pulses`; none

@@ -15,10 +15,15 @@ use super::focus::{FocusError, Focuser, Image, Navigation};
 use super::point_target::Support;
 use super::two_way_gain::{TwoWayGain, pulse_zero_s};
 use crate::geometry::phase_path::PhasePath;
+use crate::plot::canvas::Canvas;
+use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, PlotError, Spacing};
+use crate::recording::Recording;
 use crate::recording::ground::Ground;
 
 /// Cells about a point that are no sea.
 const POINT_CELLS: f64 = 10.0;
+/// Lowest level of a picture of cuts, dB.
+const FLOOR_DB: f64 = -60.0;
 /// Points of a cut to a dot of the prediction.
 const DOTS: usize = 8;
 
@@ -94,6 +99,55 @@ pub struct Figures {
     pub cross_range_lobes: [Option<Lobe>; 2],
     /// Phase at the place predicted, less that by true navigation at the place expected, rad.
     pub phase_rad: f64,
+}
+
+impl ChannelComparison {
+    /// A picture of the cut in cross-range of the first point that has one.
+    ///
+    /// # Errors
+    /// Figures that cannot be drawn.
+    pub fn cuts(&self) -> Result<Canvas, PlotError> {
+        let shown = self.targets.iter().find(|target| target.curves.iter().all(|curve| !curve.is_empty()));
+        let none = [Vec::new(), Vec::new(), Vec::new()];
+        let [right, measured, predicted] = shown.map_or(&none, |target| &target.curves);
+        let point = shown.map_or("no point on the image", |target| target.name.as_str());
+        let limits = [10f64.powf(0.1 * FLOOR_DB), 10f64.powf(0.3)];
+        Plot {
+            title: &format!("{}, {point}: reported navigation", self.name),
+            x: PlotAxis { label: "cross-range, cells from the peak", spacing: Spacing::Linear, limits: None },
+            y: PlotAxis {
+                label: "over the peak without error, dB",
+                spacing: Spacing::Decibels,
+                limits: Some(limits),
+            },
+            curves: &[
+                Curve { name: "true navigation", points: right, mark: Mark::Line },
+                Curve { name: "measured", points: measured, mark: Mark::Line },
+                Curve { name: "predicted", points: predicted, mark: Mark::Dots },
+            ],
+            size_px: [720, 400],
+        }
+        .draw()
+    }
+}
+
+/// What two recordings must share to be compared, and do not: as many pulses of the same radar, with the same
+/// channels and targets.
+pub fn difference(recording: &Recording, other: &Recording) -> Option<&'static str> {
+    let (a, b) = (&recording.header, &other.header);
+    let channels = |of: &Recording| -> Vec<String> {
+        of.channels().iter().map(|place| of.header.channels[*place].name.clone()).collect()
+    };
+    [
+        ("carrier_hz", a.carrier_hz != b.carrier_hz),
+        ("bandwidth_hz", a.bandwidth_hz != b.bandwidth_hz),
+        ("prf_hz", a.prf_hz != b.prf_hz),
+        ("pulses", recording.index != other.index),
+        ("channels", channels(recording) != channels(other)),
+        ("targets", a.targets != b.targets),
+    ]
+    .into_iter()
+    .find_map(|(what, differs)| differs.then_some(what))
 }
 
 impl Figures {

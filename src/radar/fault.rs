@@ -20,6 +20,7 @@ use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pointing, TxPolarisa
 use crate::scene::sea::PatchPlace;
 use crate::scene::{Radar, Scene};
 use crate::sea::fleet::FleetError;
+use crate::sea::land::LandError;
 use crate::sea::realise::RealiseError;
 use crate::sea::wake::WakeError;
 use crate::time::TimeTag;
@@ -166,6 +167,9 @@ pub enum SeaFault {
     /// Its water cannot scatter.
     #[error(transparent)]
     Water(#[from] WaterError),
+    /// It has no land.
+    #[error(transparent)]
+    Land(#[from] LandError),
     /// It cannot cast shadows.
     #[error(transparent)]
     Shadow(#[from] ShadowError),
@@ -190,6 +194,21 @@ pub enum SeaFault {
         antennas: usize,
         /// Most.
         most: usize,
+    },
+    /// More breaking waves than are followed.
+    #[error(
+        "sea.scattering.breaking = \"whitecaps\": {alive:.0} waves break at a time on a patch of {patch_m2:.2e} m^2; \
+         at most {most:.0} and {most_m2:.0e} m^2 are allowed; a smaller patch, or breaking = \"off\""
+    )]
+    Breakers {
+        /// That break at a time.
+        alive: f64,
+        /// Most.
+        most: f64,
+        /// Area of the patch, m^2.
+        patch_m2: f64,
+        /// Largest, m^2.
+        most_m2: f64,
     },
 }
 

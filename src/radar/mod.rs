@@ -9,6 +9,8 @@ pub mod link;
 pub mod pattern;
 pub mod polarisation;
 pub mod phasor;
+pub mod lobe;
+pub mod rain;
 pub mod receiver;
 pub mod waveform;
 pub mod window;

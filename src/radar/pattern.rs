@@ -445,6 +445,16 @@ impl GridPattern {
         self.field.iter().map(Complex64::norm_sqr).sum::<f64>() / self.field.len().max(1) as f64
     }
 
+    /// Azimuth and elevation of its points, rad, and power gain; and gain outside of the grid.
+    pub fn points(&self) -> (impl Iterator<Item = ([f64; 2], f64)>, f64) {
+        let of = |(n, field): (usize, &Complex64)| {
+            let (row, column) = (n / self.azimuth.len, n % self.azimuth.len);
+            let at = [self.azimuth.value_deg(column), self.elevation.value_deg(row)];
+            (at.map(f64::to_radians), field.norm_sqr())
+        };
+        (self.field.iter().enumerate().map(of), self.floor * self.floor)
+    }
+
     /// Field gain towards azimuth and elevation in the antenna frame, radians.
     pub fn field_gain(&self, az_rad: f64, el_rad: f64) -> Complex64 {
         // The turn of the azimuth that lies on the grid, if any.

@@ -25,6 +25,7 @@ use super::field_file::{self, Attribute, FieldFileError, Fields};
 #[cfg(feature = "hdf5")]
 use super::field_file::{Fault, list, put, text};
 use crate::scene::Patch;
+use crate::sea::surface;
 
 /// A field.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +51,28 @@ pub struct MapFile<'a> {
     pub patch: &'a Patch,
     /// The fields.
     pub layers: &'a [Layer<'a>],
+}
+
+/// Name, unit and meaning of a layer of the sea, and where its values are.
+type SeaLayer = (&'static str, &'static str, &'static str, fn(&surface::Fields<f64>) -> &[f64]);
+
+const SEA_LAYERS: [SeaLayer; 11] = [
+    ("height_m", "m", "height above the mean surface", |f| &f.height_m),
+    ("slope_x", "1", "slope dz/dx, x to the East", |f| &f.slope[0]),
+    ("slope_y", "1", "slope dz/dy, y to the North", |f| &f.slope[1]),
+    ("velocity_x_mps", "m/s", "orbital velocity, East", |f| &f.velocity_mps[0]),
+    ("velocity_y_mps", "m/s", "orbital velocity, North", |f| &f.velocity_mps[1]),
+    ("velocity_up_mps", "m/s", "orbital velocity, up", |f| &f.velocity_mps[2]),
+    ("acceleration_x_mps2", "m/s^2", "orbital acceleration, East", |f| &f.acceleration_mps2[0]),
+    ("acceleration_y_mps2", "m/s^2", "orbital acceleration, North", |f| &f.acceleration_mps2[1]),
+    ("acceleration_up_mps2", "m/s^2", "orbital acceleration, up", |f| &f.acceleration_mps2[2]),
+    ("displacement_x_m", "m", "horizontal displacement of the water, East", |f| &f.displacement_m[0]),
+    ("displacement_y_m", "m", "horizontal displacement of the water, North", |f| &f.displacement_m[1]),
+];
+
+/// The layers of a map of the sea, of which all fields must be there.
+pub fn sea_layers(fields: &surface::Fields<f64>) -> [Layer<'_>; 11] {
+    SEA_LAYERS.map(|(name, unit, meaning, values)| Layer { name, unit, meaning, values: values(fields) })
 }
 
 impl MapFile<'_> {

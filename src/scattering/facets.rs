@@ -35,6 +35,7 @@
 //!     slope_y: &[0.0],
 //!     cover: &[],
 //!     phasors: &[Complex64::ONE, Complex64::I],
+//!     modulation: &[],
 //!     footprint_m2: 1.0,
 //! };
 //! let (mut vv, mut vh) = ([Complex64::ZERO], [Complex64::ZERO]);
@@ -82,6 +83,8 @@ pub struct Facets<'a> {
     /// `1 + TwoScale::tilts()` per facet for [`Phases::PolCoherent`], of which [`Phases::Single`] uses the
     /// first.
     pub phasors: &'a [Complex64],
+    /// Factor on the density of the Bragg waves of each facet; empty for 1 everywhere.
+    pub modulation: &'a [f64],
     /// Horizontal area `dx dy` of a facet, m^2.
     pub footprint_m2: f64,
 }
@@ -132,16 +135,27 @@ impl Facets<'_> {
             let area_m2 = self.footprint_m2 * (1.0 + slopes.0 * slopes.0 + slopes.1 * slopes.1).sqrt();
             let root = area_m2.sqrt();
             let mut matrix = NO_ECHO;
+            let raise = self.modulation.get(i);
             match phases {
                 Phases::PolCoherent => {
                     let beside = |kx: f64, ky: f64| beside(i, kx, ky);
-                    sea.visit_beside(&path, slopes, cover, beside, |mechanism, part| {
-                        add(&mut matrix, part, phasors[mechanism]);
+                    sea.visit_beside(&path, slopes, cover, beside, |mechanism, part| match raise {
+                        Some(raise) if mechanism > 0 => {
+                            add(&mut matrix, part, phasors[mechanism] * raise.sqrt());
+                        }
+                        _ => add(&mut matrix, part, phasors[mechanism]),
                     });
                 }
                 Phases::Single => {
                     let beside = |kx: f64, ky: f64| beside(i, kx, ky);
-                    let sigma0 = sea.response_beside(&path, slopes, cover, beside).sigma0();
+                    let response = sea.response_beside(&path, slopes, cover, beside);
+                    let mut sigma0 = response.sigma0();
+                    if let Some(raise) = raise {
+                        let more = response.bragg_sigma0().map(|row| row.map(|s| s * (raise - 1.0)));
+                        for (sigma0, more) in sigma0.as_flattened_mut().iter_mut().zip(more.as_flattened()) {
+                            *sigma0 = (*sigma0 + more).max(0.0);
+                        }
+                    }
                     matrix = sigma0.map(|row| row.map(|s| phasors[0] * s.sqrt()));
                 }
             }
@@ -160,6 +174,7 @@ impl Facets<'_> {
     fn check(&self, mechanisms: usize, out: &[&mut [Complex64]; 4]) -> Result<(), LengthError> {
         let n = self.len();
         let cover = if self.cover.is_empty() { n } else { self.cover.len() };
+        let modulation = if self.modulation.is_empty() { n } else { self.modulation.len() };
         let [vv, vh, hv, hh] = out.each_ref().map(|entry| entry.len());
         let [ix, iy, iz] = self.incident.map(<[f64]>::len);
         let [sx, sy, sz] = self.scattered.map(<[f64]>::len);
@@ -172,6 +187,7 @@ impl Facets<'_> {
             ("scattered z", sz, n),
             ("slope_y", self.slope_y.len(), n),
             ("cover", cover, n),
+            ("modulation", modulation, n),
             ("phasors", self.phasors.len(), n * mechanisms),
             ("output vv", vv, n),
             ("output vh", vh, n),

@@ -1,14 +1,18 @@
 //! What each thing that scatters returns, as one flat list of scatterer paths.
 
 pub mod bragg;
+pub mod breaking;
 pub mod clutter_nrl;
 pub mod target;
 pub mod facets;
 pub mod fresnel;
 pub mod kind;
 pub mod kirchhoff;
+pub mod land;
 pub mod lanes;
+pub mod modulation;
 pub mod permittivity;
+pub mod physical_optics;
 pub mod roughness;
 pub mod slope_pdf;
 pub mod speckle;

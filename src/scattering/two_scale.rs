@@ -53,9 +53,12 @@ use super::kind::clean::Clean;
 use super::kirchhoff::Bend;
 use super::lanes::LaneKind;
 use super::lanes::table::BraggTable;
+use super::modulation::{TiltBias, weight};
 use super::slope_pdf::{GramCharlier, MeanSquareSlope, SlopePdf};
 use super::spm;
 use super::tilt::{NO_ECHO, Path, ScatterMatrix, Tangent};
+use crate::scene::water::Dispersion;
+use crate::sea::surface::modulation::look;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 pub use crate::scene::sea::Splitting;
@@ -175,6 +178,7 @@ pub struct TwoScale<K, F> {
     skew: Option<[GramCharlier; 2]>,
     downwind: (f64, f64),
     clean_pdf: SlopePdf,
+    bias: Option<TiltBias>,
 }
 
 impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
@@ -211,7 +215,46 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
             skew,
             downwind: (cos, sin),
             clean_pdf,
+            bias: None,
         }
+    }
+
+    /// The same with the roughness of sub-facets modulated by the waves that tilt them
+    /// ([`modulation`](super::modulation)); `wave_psi` is the spectrum in the wave convention.
+    pub fn modulated(
+        mut self,
+        wave_psi: impl Fn(f64, f64) -> f64,
+        dispersion: Dispersion,
+        relaxation_per_s: f64,
+    ) -> Self {
+        if let Some(cut_radpm) = self.cut_radpm.filter(|_| self.averages_tilts()) {
+            let mut bias = TiltBias::default();
+            let from_radpm = self.medium.resolved_radpm.max(LONGEST_RADPM);
+            integrate(
+                wave_psi,
+                |_| 1.0,
+                from_radpm,
+                cut_radpm,
+                |k, azimuth, power| {
+                    let (sin, cos) = azimuth.sin_cos();
+                    let off_wind_rad = azimuth - self.medium.downwind_rad;
+                    bias.add([k * cos, k * sin], off_wind_rad, power, dispersion, relaxation_per_s);
+                },
+            );
+            self.bias = Some(bias.over(self.clean.slopes));
+        }
+        self
+    }
+
+    /// The same with a modulation of its sub-facets found before.
+    pub(super) fn with_tilt_bias(mut self, bias: Option<TiltBias>) -> Self {
+        self.bias = bias.filter(|_| self.averages_tilts());
+        self
+    }
+
+    /// The modulation of its sub-facets, if there is one.
+    pub fn tilt_bias(&self) -> Option<TiltBias> {
+        self.bias
     }
 
     /// The spectrum that scatters from clean water, as a table.
@@ -374,13 +417,18 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         let s = self.moments(cover).slopes;
         let (s_up, s_cross) = (s.up.sqrt(), s.cross.sqrt());
         let (cos, sin) = self.downwind;
+        let bias = self.bias.map_or([0.0; 2], |bias| {
+            let q = path.ks - path.ki;
+            bias.at(look([q.dot(axis), axis.x * q.y - axis.y * q.x]))
+        });
         let nodes = NODES.iter().flat_map(|u| NODES.iter().map(move |c| (u, c)));
         for (tilt, (u, c)) in nodes.enumerate() {
             let (up, cross) = (u.0 * s_up, c.0 * s_cross);
             let plane = tangent.tilted(cos * up - sin * cross, sin * up + cos * cross, axis);
             // sigma0 is per true area: the tilted sub-facet is larger than the facet beneath it.
             let area = (1.0 + up * up + cross * cross).sqrt();
-            each(1 + tilt, &scaled(bragg(&plane), (u.1 * c.1 * area).sqrt()));
+            let share = if self.bias.is_some() { weight(bias, [u.0, c.0]) } else { 1.0 };
+            each(1 + tilt, &scaled(bragg(&plane), (u.1 * c.1 * share * area).sqrt()));
         }
     }
 }

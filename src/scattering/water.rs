@@ -35,9 +35,11 @@
 //!     realisation: Realisation::Drawn { averaging: Default::default() },
 //!     patch: Patch::new([16.0, 16.0], 1.0, [0.0, 0.0])?,
 //!     place: PatchPlace::Fixed,
+//!     waves: Default::default(),
 //!     scattering: FacetScattering::default(),
 //!     shadow: None,
 //!     slicks: Vec::new(),
+//!     land: None,
 //! };
 //! let realised = realise(&sea, 1)?;
 //! let sight = Sight { carrier_hz: 10e9, seed: 1, spectrum: SpectrumPath::Exact };
@@ -60,7 +62,8 @@ use super::kind::clean::Clean;
 use super::kind::slick::Slick;
 use super::kind::turbulent_wake::{RatioError, TurbulentWake};
 use super::lanes::table::{BraggTable, Density, MOST_RELATIVE_ERROR};
-use super::lanes::{LaneKind, LaneWater};
+use super::lanes::{LaneKind, LaneModulation, LaneWater};
+use super::modulation::{self, TiltBias};
 use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::Speckle;
 use super::spectrum_table::SpectrumTable;
@@ -71,6 +74,7 @@ use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
 use crate::scene::{Sea, Water};
 use crate::sea::fleet::Strip;
 use crate::sea::spectrum::{LightWind, Spectrum, SpectrumError, WaveVector, of_kind};
+use crate::sea::surface::modulation::Strength;
 use crate::sea::wake::ShortWaves;
 use crate::sea::wake::course::Pose;
 use crate::sea::wind::{Wind, WindError};
@@ -179,6 +183,10 @@ pub struct WaterScattering {
     phases: Phases,
     speckle: Speckle,
     travelling: Option<BraggLines>,
+    relaxation_per_s: Option<f64>,
+    /// Of the waves of the map.
+    strength: Strength,
+    bias: TiltBias,
     seed: u64,
     mechanisms: usize,
     permittivity: Complex64,
@@ -222,23 +230,25 @@ fn stirred(
     Ok(TurbulentWake::new(range, ratio)?)
 }
 
-/// One kind, asking the spectrum itself or a table of it.
+/// One kind, asking the spectrum itself or a table of it, its sub-facets modulated or not.
 fn batch<K, F>(
     settings: Settings,
     medium: Medium,
     kind: K,
     psi: F,
     table: Option<&Arc<SpectrumTable<F>>>,
+    bias: Option<TiltBias>,
 ) -> Box<dyn Batch>
 where
     K: Kind + Send + Sync + 'static,
     F: Fn(f64, f64) -> f64 + Send + Sync + 'static,
 {
     match table {
-        None => Box::new(TwoScale::new(settings, medium, kind, psi)),
+        None => Box::new(TwoScale::new(settings, medium, kind, psi).with_tilt_bias(bias)),
         Some(table) => {
             let table = Arc::clone(table);
-            Box::new(TwoScale::new(settings, medium, kind, move |x, y| table.psi(x, y)))
+            let sea = TwoScale::new(settings, medium, kind, move |x, y| table.psi(x, y));
+            Box::new(sea.with_tilt_bias(bias))
         }
     }
 }
@@ -284,7 +294,16 @@ impl WaterScattering {
                 spectrum.symmetric_m4(WaveVector::new(cos * along - sin * across, sin * along + cos * across))
             }
         };
-        let clean = TwoScale::new(two_scale, medium, Clean, psi());
+        let mut clean = TwoScale::new(two_scale, medium, Clean, psi());
+        let relaxation_per_s =
+            modulation::rate_per_s(settings.modulation, medium.wavenumber_radpm(), wind.ustar_wu_mps);
+        if let Some(relaxation_per_s) = relaxation_per_s {
+            let wave_psi = |along: f64, across: f64| {
+                spectrum.wave_m4(WaveVector::new(cos * along - sin * across, sin * along + cos * across))
+            };
+            clean = clean.modulated(wave_psi, sea.water.dispersion, relaxation_per_s);
+        }
+        let bias = clean.tilt_bias();
         let (mechanisms, cut_radpm, moments) = (1 + clean.tilts(), clean.cut_radpm(), clean.moments(0.0));
         let travelling = match settings.bragg {
             BraggWaves::Frozen => None,
@@ -312,11 +331,12 @@ impl WaterScattering {
         };
         let spectrum_error = table.as_ref().map_or(0.0, SpectrumTable::worst_relative_error);
         let table = table.map(Arc::new);
-        let mut kinds: Vec<Box<dyn Batch>> = vec![batch(two_scale, medium, Clean, psi(), table.as_ref())];
+        let mut kinds: Vec<Box<dyn Batch>> =
+            vec![batch(two_scale, medium, Clean, psi(), table.as_ref(), bias)];
         let mut regions = Vec::with_capacity(slicks.len());
         for slick in slicks {
             let kind = Slick { elasticity_npm: slick.elasticity_npm };
-            kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref()));
+            kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref(), bias));
             let rim_m = 0.5 * slick.rim_m;
             let bounds = slick.shape.bounds_m().map(|[from, to]| [from - rim_m, to + rim_m]);
             regions.push((slick.clone(), bounds));
@@ -329,7 +349,7 @@ impl WaterScattering {
                 strip.wind_ratio,
                 2.0 * medium.wavenumber_radpm(),
             )?;
-            kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref()));
+            kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref(), bias));
         }
         let speckle = match settings.decorrelation_s {
             Some(time_s) if travelling.is_none() => Speckle::Decorrelating { time_s },
@@ -344,6 +364,9 @@ impl WaterScattering {
             phases: settings.phases,
             speckle,
             travelling,
+            relaxation_per_s,
+            strength: Strength::default(),
+            bias: bias.unwrap_or_default(),
             seed: sight.seed,
             mechanisms,
             permittivity,
@@ -396,6 +419,7 @@ impl WaterScattering {
             tilts: self.kinds[0].lane_tilts(),
             cut_radpm: self.cut_radpm,
             kinds: self.kinds.iter().map(|kind| kind.lane_kind(&table)).collect(),
+            modulation: self.relaxation_per_s.map(|_| LaneModulation::new(&self.strength, &self.bias)),
             table: Arc::new(table),
         }
     }
@@ -404,6 +428,21 @@ impl WaterScattering {
     /// [`Self::scatter_at`] has them.
     pub fn with_short_waves(self, short_waves: Vec<ShortWaves>) -> Self {
         Self { short_waves, ..self }
+    }
+
+    /// The same modulated by the waves of a map, of which it is the [`Strength`].
+    pub fn with_strength(self, strength: Strength) -> Self {
+        Self { strength, ..self }
+    }
+
+    /// Rate at which the modulated waves relax, 1/s, if they are.
+    pub fn relaxation_per_s(&self) -> Option<f64> {
+        self.relaxation_per_s
+    }
+
+    /// Modulation by the waves of the map.
+    pub fn strength(&self) -> &Strength {
+        &self.strength
     }
 
     /// Kinds of surface, the clean one included.

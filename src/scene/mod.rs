@@ -3,6 +3,8 @@
 pub mod calibration;
 pub mod clock;
 pub mod hull;
+pub mod land;
+pub mod mesh;
 pub mod patch;
 pub mod radar;
 pub mod sea;
@@ -14,6 +16,7 @@ use crate::frames::SceneFrame;
 use crate::time::TimeTag;
 
 pub use hull::Hull;
+pub use land::Land;
 pub use patch::Patch;
 pub use radar::Radar;
 pub use sea::Sea;

@@ -25,6 +25,10 @@ pub struct Radar {
     pub losses_db: f64,
     /// One-way atmospheric attenuation, dB per kilometre.
     pub atmosphere_db_per_km: f64,
+    /// Rain on all of every path, mm/h.
+    pub rain_mmph: f64,
+    /// Echo of its drops; `None` for none.
+    pub rain_clutter: Option<RainClutter>,
     /// Receiver noise figure, dB; `None` for a noiseless receiver.
     pub noise_figure_db: Option<f64>,
     /// Analogue-to-digital converter; `None` for floating-point samples.
@@ -80,6 +84,15 @@ impl Radar {
             clocks: 0,
         }
     }
+}
+
+/// Rain that returns an echo.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RainClutter {
+    /// Height of its top above the sea, m.
+    pub top_m: f64,
+    /// Rms velocity of drops about their mean, of each component, m/s.
+    pub spread_mps: f64,
 }
 
 /// A transmitter and a receiver, by their places in [`Radar`].

@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use super::radar::{Aim, AimFrom};
-use super::{Patch, Water};
+use super::{Land, Patch, Water};
 
 /// The sea.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,12 +19,16 @@ pub struct Sea {
     pub patch: Patch,
     /// Whether they stay.
     pub place: PatchPlace,
+    /// Whether crests are as long as troughs.
+    pub waves: Waves,
     /// How facets scatter.
     pub scattering: FacetScattering,
     /// Who stands behind a wave; `None`: nobody is ever hidden.
     pub shadow: Option<Shadowing>,
     /// Films on the water.
     pub slicks: Vec<SlickRegion>,
+    /// Land on the patch, if any.
+    pub land: Option<Land>,
 }
 
 /// Where the amplitudes of the waves come from.
@@ -52,6 +56,16 @@ pub enum Averaging {
     Points,
     /// Means over the cells around them.
     Cells,
+}
+
+/// Order of the waves in their steepness.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Waves {
+    /// Linear: crests and troughs alike, facets of equal area.
+    #[default]
+    Linear,
+    /// Sharp crests and flat troughs, facets that crowd on crests (`sea::surface::choppy`).
+    Choppy,
 }
 
 /// Whether the patch stays.
@@ -88,6 +102,10 @@ pub struct FacetScattering {
     pub phases: Phases,
     /// Whether the waves that scatter travel.
     pub bragg: BraggWaves,
+    /// Whether waves break.
+    pub breaking: Breaking,
+    /// Whether long waves modulate the waves that scatter.
+    pub modulation: Modulation,
     /// Time in which a facet forgets its phase, s; `None` for never, or as travelling waves have it.
     pub decorrelation_s: Option<f64>,
     /// Whether facets follow the horizontal orbital motion; if not (as in the paper) they move up and down
@@ -105,11 +123,23 @@ impl Default for FacetScattering {
             light_wind: LightWinds::default(),
             gram_charlier: false,
             phases: Phases::default(),
-            bragg: BraggWaves::default(),
+            bragg: BraggWaves::TRAVELLING,
+            breaking: Breaking::default(),
+            modulation: Modulation::default(),
             decorrelation_s: None,
             displacement: true,
         }
     }
+}
+
+/// Whether waves break.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Breaking {
+    /// None does.
+    #[default]
+    Off,
+    /// As much of the sea as whitecaps cover (`sea::breaking`).
+    Whitecaps,
 }
 
 /// Model of the permittivity of sea water.
@@ -155,6 +185,24 @@ pub enum BraggWaves {
         /// Direction of the drift, counter-clockwise from that of the wind, rad.
         drift_turn_rad: f64,
     },
+}
+
+/// Whether long waves modulate the Bragg waves of a facet.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Modulation {
+    /// All facets are as rough.
+    #[default]
+    Off,
+    /// Short waves gain where the surface contracts, and relax (`sea::surface::modulation`).
+    Relaxation {
+        /// Relaxation rate, 1/s; `None` for that of their growth in the wind.
+        rate_per_s: Option<f64>,
+    },
+}
+
+impl BraggWaves {
+    /// They travel, with a drift of 3 % of the wind, along it.
+    pub const TRAVELLING: Self = Self::Travelling { drift_share: 0.03, drift_turn_rad: 0.0 };
 }
 
 /// How random phases enter a facet's matrix.

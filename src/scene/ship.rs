@@ -1,6 +1,9 @@
 //! Ships: a hull, a course, what it leaves behind.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::mesh::Triangle;
 
 /// A ship under way.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,8 +24,62 @@ pub struct Ship {
     pub kelvin: Option<KelvinWake>,
     /// Its turbulent wake; `None` for none.
     pub turbulent: Option<TurbulentWake>,
-    /// Whether the scatterers of its hull file echo.
+    /// Whether it echoes: the scatterers of its hull file, or its mesh.
     pub echo: bool,
+    /// Which mesh echoes with it.
+    pub mesh: ShipMesh,
+    /// Triangles that echo, in the axes of [`super::mesh`]; empty until they are made, and without echo.
+    pub panels: Arc<[Triangle]>,
+}
+
+/// The mesh by which a ship echoes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShipMesh {
+    /// Whether it is used; `None`: where the hull's file has no scatterers.
+    pub used: Option<bool>,
+    /// What stands on the hull: a file of triangles.
+    pub superstructure: Option<PathBuf>,
+    /// Height of the deck above the waterline, m; `None` for a twentieth of the length.
+    pub freeboard_m: Option<f64>,
+    /// Longest edge of a panel, m.
+    pub panel_m: f64,
+    /// How it rides the sea.
+    pub motion: ShipMotion,
+}
+
+/// How a ship that echoes by its mesh rides the sea.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ShipMotion {
+    /// Level, at the height of the mean sea.
+    #[default]
+    Level,
+    /// It heaves, pitches and rolls with the waves of the sea.
+    Waves {
+        /// Natural period of roll, s; `None` for that of its form.
+        roll_period_s: Option<f64>,
+        /// Its form; `None` until the panels are made.
+        form: Option<HullForm>,
+    },
+}
+
+/// What the motion of a hull in waves depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HullForm {
+    /// Length on the waterline, m.
+    pub length_m: f64,
+    /// Beam, m.
+    pub beam_m: f64,
+    /// Draught, m.
+    pub draught_m: f64,
+    /// Block coefficient: displaced volume over length times beam times draught.
+    pub block: f64,
+}
+
+impl Default for ShipMesh {
+    /// The hull alone, by panels of 1 m.
+    fn default() -> Self {
+        Self { used: None, superstructure: None, freeboard_m: None, panel_m: 1.0, motion: ShipMotion::Level }
+    }
 }
 
 /// Where a hull comes from.

@@ -51,6 +51,49 @@ impl Dispersion {
         (GRAVITY_MPS2 * k_rad_m * tension * bottom).sqrt()
     }
 
+    /// Wave numbers, rad/m, become their angular frequencies, rad/s: those of
+    /// [`angular_frequency_rad_s`](Self::angular_frequency_rad_s), side by side.
+    #[inline(always)]
+    pub fn angular_frequencies_rad_s<const N: usize>(&self, k_rad_m: &mut [f64; N]) {
+        let mut bottom = [1.0; N];
+        if let Some(depth_m) = self.depth_m {
+            for i in 0..N {
+                bottom[i] = (k_rad_m[i] * depth_m).tanh();
+            }
+        }
+        for i in 0..N {
+            let share = k_rad_m[i] / CAPILLARY_PEAK_RAD_M;
+            let tension = if self.capillary { 1.0 + share * share } else { 1.0 };
+            k_rad_m[i] = (GRAVITY_MPS2 * k_rad_m[i] * tension * bottom[i]).sqrt();
+        }
+    }
+
+    /// Wave numbers above 0, rad/m, become group speeds, m/s, given their angular frequencies: those of
+    /// [`group_speed_mps`](Self::group_speed_mps), side by side.
+    #[inline(always)]
+    pub fn group_speeds_mps<const N: usize>(&self, omega_rad_s: &[f64; N], k_rad_m: &mut [f64; N]) {
+        let mut bottom = [0.0; N];
+        if self.depth_m.is_some() {
+            for i in 0..N {
+                bottom[i] = self.bottom(k_rad_m[i]);
+            }
+        }
+        for i in 0..N {
+            let share = k_rad_m[i] / CAPILLARY_PEAK_RAD_M;
+            let q = share * share;
+            let tension = if self.capillary { 2.0 * q / (1.0 + q) } else { 0.0 };
+            k_rad_m[i] = 0.5 * (omega_rad_s[i] / k_rad_m[i]) * (1.0 + tension + bottom[i]);
+        }
+    }
+
+    /// What a bottom adds to a group speed: `2x/sinh 2x`, without overflow for large x.
+    fn bottom(&self, k_rad_m: f64) -> f64 {
+        self.depth_m.map_or(0.0, |depth_m| {
+            let x2 = 2.0 * k_rad_m * depth_m;
+            if x2 > 700.0 { 0.0 } else { x2 / x2.sinh() }
+        })
+    }
+
     /// Phase speed, m/s; that of the limit of long waves for K = 0 (infinite in deep water).
     pub fn phase_speed_mps(&self, k_rad_m: f64) -> f64 {
         if k_rad_m > 0.0 {
@@ -67,12 +110,7 @@ impl Dispersion {
         } else {
             0.0
         };
-        let bottom = self.depth_m.map_or(0.0, |depth_m| {
-            // 2x / sinh 2x, without overflow for large x.
-            let x2 = 2.0 * k_rad_m * depth_m;
-            if x2 > 700.0 { 0.0 } else { x2 / x2.sinh() }
-        });
-        0.5 * self.phase_speed_mps(k_rad_m) * (1.0 + tension + bottom)
+        0.5 * self.phase_speed_mps(k_rad_m) * (1.0 + tension + self.bottom(k_rad_m))
     }
 
     /// Horizontal over vertical excursion of a particle at the surface, `coth(K d)`, for K > 0.

@@ -23,6 +23,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use super::land::LandSheet;
+use super::surface::choppy::Choppy;
 use super::surface::fields::Real;
 use super::surface::{Evaluator, Fields, Grid, Selection, Surface, SurfaceError};
 use super::wake::{Map, Wake, WakeError};
@@ -42,7 +44,9 @@ pub struct FacetSurface<T: Real = f64> {
     whole: Fields<T>,
     /// Time at which `whole` stands; `None` before it has room.
     time_s: Option<f64>,
+    choppy: Option<Choppy>,
     wakes: Option<Wakes<T>>,
+    land: Option<LandSheet>,
 }
 
 /// Waves of ships over patches of one size.
@@ -57,7 +61,24 @@ impl<T: Real> FacetSurface<T> {
     pub fn new(surface: &Surface, selection: Selection) -> Self {
         let grid = *surface.grid();
         let (evaluator, whole) = (Evaluator::new(surface), Fields::default());
-        Self { grid, selection, evaluator, whole, time_s: None, wakes: None }
+        Self { grid, selection, evaluator, whole, time_s: None, choppy: None, wakes: None, land: None }
+    }
+
+    /// The same with short waves that relax at a rate, 1/s, for the modulation.
+    pub fn with_relaxation(mut self, rate_per_s: Option<f64>) -> Self {
+        if let Some(rate_per_s) = rate_per_s {
+            self.evaluator = self.evaluator.with_relaxation(rate_per_s);
+        }
+        self
+    }
+
+    /// The same with choppy waves, if the sea has them.
+    pub fn with_choppy(mut self, choppy: Option<Choppy>) -> Self {
+        if choppy.is_some() {
+            self.selection = self.selection.choppy();
+        }
+        self.choppy = choppy;
+        self
     }
 
     /// The same with the waves of ships, over patches of the size of the given one.
@@ -70,6 +91,17 @@ impl<T: Real> FacetSurface<T> {
             self.wakes = Some(Wakes::new(wakes, patch, WAKE_ERROR_DB[usize::from(size_of::<T>() == 4)])?);
         }
         Ok(self)
+    }
+
+    /// The same with land in place of water, if there is any.
+    pub fn with_land(mut self, land: Option<&LandSheet>) -> Self {
+        self.land = land.cloned();
+        self
+    }
+
+    /// The land of the patch evaluated last.
+    pub fn land(&self) -> Option<&LandSheet> {
+        self.land.as_ref()
     }
 
     /// Room for the fields over a patch.
@@ -106,10 +138,17 @@ impl<T: Real> FacetSurface<T> {
                 }
             }
         }
-        match &mut self.wakes {
-            Some(wakes) => wakes.add(time_s, patch, out),
-            None => Ok(()),
+        if let Some(choppy) = &self.choppy {
+            choppy.apply(out);
         }
+        if let Some(wakes) = &mut self.wakes {
+            wakes.add(time_s, patch, out)?;
+        }
+        if let Some(land) = &mut self.land {
+            land.place(patch);
+            land.lay(out);
+        }
+        Ok(())
     }
 }
 

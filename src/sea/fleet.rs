@@ -20,6 +20,8 @@
 //!     kelvin: Some(KelvinWake::default()),
 //!     turbulent: Some(TurbulentWake::default()),
 //!     echo: false,
+//!     mesh: Default::default(),
+//!     panels: Default::default(),
 //! };
 //! let patch = Patch::new([256.0, 128.0], 2.0, [0.0, 0.0])?;
 //! let fleet = Fleet::muster(&[ship], &[(0.0, patch), (2.0, patch)])?;
@@ -34,8 +36,9 @@ use super::surface::{Fields, Selection};
 use super::wake::kochin::{Kochin, KochinError, LEAST_SPEED_MPS, Transom};
 use super::wake::map;
 use super::wake::{Course, Reach, Settings, ShortWaves, TurbulentStrip, Wake, WakeError};
-use crate::scene::hull::{Hull, HullError};
-use crate::scene::ship::{HullGiven, KelvinWake};
+use crate::scene::hull::{Hull, HullError, Particulars};
+use crate::scene::mesh::{self, MeshError, Triangle};
+use crate::scene::ship::{HullForm, HullGiven, KelvinWake, ShipMesh, ShipMotion};
 use crate::scene::{Patch, Ship};
 use crate::sea::facet_surface::Wakes;
 
@@ -97,6 +100,15 @@ pub enum ShipError {
         /// The name.
         name: String,
     },
+    /// A motion that its echo does not have.
+    #[error(
+        "motion = \"waves\" moves its mesh, but its hull's file has scatterers, which ride level: allowed are \
+         mesh = true or motion = \"level\""
+    )]
+    NothingMoves,
+    /// Its mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// Its speed.
     #[error(transparent)]
     Kochin(#[from] KochinError),
@@ -118,6 +130,35 @@ pub fn hull(ship: &Ship) -> Result<Hull, ShipError> {
         }
         (HullGiven::Wigley { .. }, None) => return Err(ShipError::NoLength),
     })
+}
+
+/// The triangles by which a ship echoes; none where its mesh is not used.
+///
+/// # Errors
+/// A superstructure that cannot be read, or too many panels.
+pub fn panels(ship: &Ship, hull: &Hull) -> Result<Vec<Triangle>, ShipError> {
+    let ShipMesh { used, superstructure, freeboard_m, panel_m, motion } = &ship.mesh;
+    if !used.unwrap_or(hull.scatterers().is_empty()) {
+        return if *motion == ShipMotion::Level { Ok(Vec::new()) } else { Err(ShipError::NothingMoves) };
+    }
+    let panel_m = *panel_m;
+    let freeboard_m = freeboard_m.unwrap_or(mesh::FREEBOARD_RATIO * hull.length_m());
+    let mut triangles = mesh::of_hull(hull, freeboard_m, panel_m)?;
+    if let Some(path) = superstructure {
+        let scaled = |triangle: Triangle| triangle.map(|corner| corner * hull.scale());
+        let above = mesh::file::load(path)?.into_iter().map(scaled).collect();
+        triangles.extend(mesh::divided(above, panel_m).ok_or(MeshError::TooMany { panel_m })?);
+    }
+    if triangles.len() > mesh::MOST_PANELS {
+        return Err(MeshError::TooMany { panel_m }.into());
+    }
+    Ok(triangles)
+}
+
+/// What the motion of a hull in waves depends on.
+pub fn form(hull: &Hull) -> HullForm {
+    let Particulars { length_m, block, .. } = Particulars::of(hull);
+    HullForm { length_m, beam_m: hull.beam_m(), draught_m: hull.draught_m(), block }
 }
 
 /// The course of a ship.
@@ -266,6 +307,8 @@ mod tests {
             kelvin: Some(KelvinWake::default()),
             turbulent: Some(TurbulentWake::default()),
             echo: false,
+            mesh: Default::default(),
+            panels: Default::default(),
         };
         let patch = |x_m: f64| Patch::new([64.0, 48.0], 2.0, [x_m, 0.0]).unwrap();
         (ship, (0..=4).map(|place| (f64::from(place), patch(50.0 * f64::from(place) - 150.0))).collect())

@@ -8,8 +8,11 @@
 //! | [`realise`] | from the description of a sea to all of these |
 //! | [`surface`] | one realisation, at any time |
 //! | [`facet_surface`] | the same over the patch that is modelled |
+//! | [`breaking`] | where and when it breaks |
 //! | [`wake`] | what ships add to it |
 //! | [`fleet`] | the ships of a scene with their wakes |
+//! | [`seakeeping`] | how ships heave, pitch and roll |
+//! | [`land`] | land in place of water, from a raster of heights |
 //!
 //! From wind to heights, slopes and velocities of facets:
 //!
@@ -30,10 +33,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod breaking;
 pub mod dispersion;
 pub mod fleet;
 pub mod realise;
 pub mod facet_surface;
+pub mod land;
+pub mod seakeeping;
 pub mod spectrum;
 pub mod summary;
 pub mod surface;

@@ -26,9 +26,11 @@
 //!     realisation: Realisation::Drawn { averaging: Averaging::Automatic },
 //!     patch: Patch::new([64.0, 64.0], 2.0, [0.0, 0.0])?,
 //!     place: PatchPlace::Fixed,
+//!     waves: Default::default(),
 //!     scattering: FacetScattering::default(),
 //!     shadow: None,
 //!     slicks: Vec::new(),
+//!     land: None,
 //! };
 //! let realised = realise(&sea, 7)?;
 //! assert_eq!(realised.surface.grid().len(), 32 * 32);

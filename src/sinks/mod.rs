@@ -103,6 +103,23 @@ impl Kind {
             _ => Self::Plain { path: owned, force },
         }
     }
+
+    /// Where it records pulses; none of what sends, or records something else.
+    pub fn recording_path(&mut self) -> Option<&mut PathBuf> {
+        match self {
+            Self::Hdf5 { path, .. } | Self::Plain { path, .. } | Self::Crsd { path, .. } => Some(path),
+            Self::Vita49(_) | Self::Shm(_) | Self::Zmq(_) | Self::Nav(_) | Self::Null => None,
+        }
+    }
+
+    /// Lets it replace a file of nereus that is there.
+    pub fn overwrite(&mut self) {
+        match self {
+            Self::Hdf5 { force, .. } | Self::Plain { force, .. } | Self::Crsd { force, .. } => *force = true,
+            Self::Nav(settings) => settings.force = true,
+            Self::Vita49(_) | Self::Shm(_) | Self::Zmq(_) | Self::Null => {}
+        }
+    }
 }
 
 /// Whether a name is that of an HDF5 file.

@@ -43,7 +43,7 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::thread;
+use std::thread::{self, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::Sender;
@@ -329,7 +329,7 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
             status,
         };
         let barrier = Barrier::default();
-        let mut reports = Vec::with_capacity(bodies.len());
+        let mut reports = Vec::new();
         let mut elapsed_s = 0.0;
         thread::scope(|scope| {
             let mut sink_threads = Vec::with_capacity(bodies.len());
@@ -380,22 +380,33 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
                 health.right(rights::lock_memory());
             }
             let start = barrier.open(arrivals);
-            for (name, thread) in [("generation", generation), ("pacer", pacer_thread)] {
-                if thread.is_some_and(|t| t.join().is_err()) {
-                    fail(RunError::Panic { thread: name.to_owned() });
-                }
-            }
-            for (name, thread) in sink_threads {
-                match thread.join() {
-                    Ok(Some(report)) => reports.push((name, report)),
-                    Ok(None) => {}
-                    Err(_) => fail(RunError::Panic { thread: format!("sink {name}") }),
-                }
-            }
+            reports = join([("generation", generation), ("pacer", pacer_thread)], sink_threads, fail);
             elapsed_s = start.elapsed().as_secs_f64();
         });
         outcome(&health, &schedule, &settings, &stop, elapsed_s, reports, first_error)
     }
+}
+
+/// Waits for all threads; what the sinks report.
+fn join<R, G, S>(
+    ends: [(&str, Option<ScopedJoinHandle<'_, ()>>); 2],
+    sinks: Vec<(String, ScopedJoinHandle<'_, Option<R>>)>,
+    fail: impl Fn(RunError<G, S>),
+) -> Vec<(String, R)> {
+    for (name, thread) in ends {
+        if thread.is_some_and(|thread| thread.join().is_err()) {
+            fail(RunError::Panic { thread: name.to_owned() });
+        }
+    }
+    let mut reports = Vec::with_capacity(sinks.len());
+    for (name, thread) in sinks {
+        match thread.join() {
+            Ok(Some(report)) => reports.push((name, report)),
+            Ok(None) => {}
+            Err(_) => fail(RunError::Panic { thread: format!("sink {name}") }),
+        }
+    }
+    reports
 }
 
 fn outcome<R, G, S>(

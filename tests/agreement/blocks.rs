@@ -227,6 +227,7 @@ fn travelling_waves_keep_the_error() {
     }
 }
 
+/// Waves that are modulated keep it, too, frozen and travelling.
 #[test]
 fn any_part_of_a_run_has_the_same_bits() {
     let small = ("scene.patch_size_m", "[32, 32]");

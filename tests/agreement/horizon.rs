@@ -3,11 +3,12 @@
 
 use std::fs;
 
-use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
 use nereus::paths::list::ScattererPaths;
 use nereus::pipeline::build;
 use nereus::pipeline::factory::factory_by;
+
+use crate::runs::keeps_the_error;
 
 const RADIUS_M: f64 = 4.0 / 3.0 * 6_371_000.0;
 
@@ -144,7 +145,7 @@ fn crests_are_seen_beyond_the_horizon_and_both_echoes_agree() {
                 ("fidelity.error_db", error_db),
                 ("sea.shadow.enabled", waves),
             ];
-            agrees(&scene(COAST, &borrowed(&settings, &fast)));
+            keeps_the_error("horizon", &scene(COAST, &borrowed(&settings, &fast)));
         }
     }
 }
@@ -160,16 +161,5 @@ fn a_target_that_goes_down_is_the_same_in_both_echoes() {
     let [window, ..] = at_range(range_m);
     let settings = [(window.0, window.1.as_str()), ("target", &target)];
     let fast = [("fidelity.echo", "\"fast\""), ("fidelity.error_db", "-60.0")];
-    agrees(&scene(&dry(), &[&settings[..], &fast].concat()));
-}
-
-/// The fast echo keeps what it predicts at every pulse.
-fn agrees(run: &Run) {
-    let stream = build::stream(run, 0..run.scene.pulses).unwrap();
-    let plan = *stream.factory().plan().unwrap();
-    let judge = Judge::new(run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
-    let (measured_db, predicted_db) = (judge.judge(run).unwrap().rel_rms_db, plan.prediction.total_db());
-    println!("asked {} dB, predicted {predicted_db:.1}, measured {measured_db:.1}", plan.asked.error_db);
-    assert!(plan.keeps());
-    assert!(measured_db <= predicted_db, "{measured_db} {predicted_db}");
+    keeps_the_error("horizon", &scene(&dry(), &[&settings[..], &fast].concat()));
 }

@@ -3,21 +3,30 @@
 
 #[path = "../support/cases.rs"]
 mod cases;
+#[path = "../support/dem.rs"]
+mod dem;
 mod blocks;
+mod breaking;
 mod changes;
+mod choppy;
 mod closed_forms;
 mod ends;
+mod hidden;
 mod horizon;
 mod known_errors;
+mod land;
 mod matched_filter;
 mod measured;
+mod modulation;
 mod planned;
 mod radar_equation;
 mod random_scene;
 mod random_scenes;
+mod rain;
 mod runs;
 mod same_bits;
 mod scenes;
+mod ships;
 mod spectra;
 mod stretched;
 mod synth_error;

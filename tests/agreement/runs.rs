@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
 use nereus::fidelity::budget::Plan;
 use nereus::pipeline::build::{self, PulseStream};
@@ -37,4 +38,15 @@ pub fn pulses(path: &str, settings: &[(&str, &str)], threads: &str, range: Range
     let fast = [("stream.threads", threads), ("stream.pace", "\"fast\"")];
     let run = scene(path, &[settings, &fast].concat());
     kept(build::stream(&run, range).unwrap())
+}
+
+/// Asserts that the fast echo of a run promises the error that is asked and keeps what it predicts, over all pulses.
+pub fn keeps_the_error(what: &str, run: &Run) {
+    let plan = plan(run);
+    let judge = Judge::new(run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
+    let (measured_db, predicted_db) = (judge.judge(run).unwrap().rel_rms_db, plan.prediction.total_db());
+    let asked_db = plan.asked.error_db;
+    println!("{what}: asked {asked_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB");
+    assert!(plan.keeps(), "{what}: {predicted_db}");
+    assert!(measured_db <= predicted_db, "{what}: {predicted_db} {measured_db}");
 }

@@ -60,6 +60,8 @@ pub fn scene(window_start_s: f64, samples: usize, prf_hz: f64, pulses: u64, targ
             window: Window { samples, gate: Gate::Fixed { start_s: window_start_s } },
             losses_db: 3.0,
             atmosphere_db_per_km: 0.0,
+            rain_mmph: 0.0,
+            rain_clutter: None,
             noise_figure_db: None,
             adc: None,
             direct_path: false,

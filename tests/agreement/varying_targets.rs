@@ -10,7 +10,7 @@ use nereus::bench::accuracy::Judge;
 use crate::runs::{plan, pulses, scene};
 
 /// Every error asked is kept by every pulse, as predicted.
-fn holds(path: &str, settings: &[(&str, &str)], asked: &[f64]) {
+pub fn holds(path: &str, settings: &[(&str, &str)], asked: &[f64]) {
     let with = |error_db: f64| {
         let error_db = format!("{error_db:?}");
         let fast = [("fidelity.echo", "\"fast\""), ("fidelity.error_db", &error_db)];

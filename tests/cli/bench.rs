@@ -71,7 +71,8 @@ fn bench_tells_speed_memory_stages_and_error() {
     assert!(fs::read_dir(folder.path()).unwrap().next().is_none(), "nothing is recorded");
 }
 
-/// Memory is what was predicted, from a fixed patch to one that follows, and not far below.
+/// Memory is what was predicted, from a fixed patch to one that follows and to a ship of many panels, and not far
+/// below.
 #[test]
 fn memory_is_that_predicted() {
     if !cfg!(target_os = "linux") {
@@ -80,8 +81,15 @@ fn memory_is_that_predicted() {
     let folder = tempfile::tempdir().unwrap();
     let config = package().join("configs/mars-1.toml").display().to_string();
     let follow = "scene.patch_follow={ kind = \"beside\", platform = \"aircraft\", across_m = -3000.0 }";
-    for more in [&[][..], &["--set", "scene.patch=\"follow\"", "--set", follow][..]] {
-        let patch = ["bench", &config, "--set", "scene.patch_size_m=[256, 256]"];
+    let (wide, small) = ("scene.patch_size_m=[256, 256]", "scene.patch_size_m=[32, 32]");
+    let panels = ["ship.0.echo=true", "ship.0.length_m=50", "ship.0.panel_m=0.8", "scene.duration_s=0.5"];
+    let ship = panels.map(|setting| ["--set", setting]).concat();
+    for (patch, more) in [
+        (wide, &[][..]),
+        (wide, &["--set", "scene.patch=\"follow\"", "--set", follow][..]),
+        (small, &ship[..]),
+    ] {
+        let patch = ["bench", &config, "--set", patch];
         let short = ["--pulses", "100", "--error-pulses", "0", "--threads", "2", "--json"];
         let arguments = [&patch[..], &short[..], more].concat();
         let report = json(&nereus(folder.path(), &arguments));

@@ -45,6 +45,7 @@ mod setup_script;
 mod sigma0_page;
 mod snapshot;
 mod speckle;
+mod ship_meshes;
 mod ship_tables;
 mod table_golden;
 mod table_keys;

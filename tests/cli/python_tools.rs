@@ -119,3 +119,24 @@ fn steady_tells_a_recording_that_changes_from_one_that_does_not() {
     let report: serde_json::Value = serde_json::from_str(text(&ended.stdout).trim()).unwrap();
     assert_eq!((ended.status.code(), &report["not_finite"]), (Some(1), &1.into()), "{report}");
 }
+
+/// Heights of the scenario, deflated: other versions of zlib may pack them otherwise, but the header is the same.
+#[test]
+fn the_headland_is_made_by_its_tool() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(ended) = tool("headland.py", "zlib", &["coast.tif"], folder.path()) else { return };
+    assert!(ended.status.success(), "{}", text(&ended.stderr));
+    let heights = |path: &Path| {
+        let mut decoder = tiff::decoder::Decoder::new(fs::File::open(path).unwrap()).unwrap();
+        assert_eq!(decoder.dimensions().unwrap(), (180, 180));
+        let tiff::decoder::DecodingResult::F32(heights_m) = decoder.read_image().unwrap() else {
+            panic!("other heights");
+        };
+        heights_m
+    };
+    let [made, kept] = [folder.path().join("coast.tif"), package().join("configs/coast.tif")];
+    assert!(heights(&made) == heights(&kept));
+    // Hills of 46 to 70 m that overlap.
+    let top_m = heights(&kept).into_iter().fold(0f32, f32::max);
+    assert!((90.0..110.0).contains(&top_m), "{top_m}");
+}

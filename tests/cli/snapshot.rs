@@ -147,3 +147,29 @@ fn contacts_ask_for_hdf5() {
     assert_eq!(ended.code, 2);
     assert!(ended.stderr.contains("no HDF5 (feature `hdf5`): c.h5"), "{}", ended.stderr);
 }
+
+#[test]
+fn a_headland_throws_its_shadow_on_the_sea_and_a_boat() {
+    let folder = tempfile::tempdir().unwrap();
+    let coast = package().join("configs/coast.toml").display().to_string();
+    let heard = |more: &[&str]| {
+        let ended = nereus(folder.path(), &[&["snapshot", &coast, "--pulse", "50", "--json"], more].concat());
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
+        assert_eq!(report["facets"].as_u64(), Some(65536));
+        (report["heard"].as_u64().unwrap(), report["contact_count"].as_u64())
+    };
+    let ((hidden, _), (open, _)) = (heard(&[]), heard(&["--set", "sea.shadow.enabled=false"]));
+    // Behind the hills, and behind waves at five degrees; what lies with its back to the antennas is dark in both.
+    println!("{hidden} and {open} facets are heard");
+    assert!((35_000..45_000).contains(&hidden) && open > hidden + 4000);
+    #[cfg(feature = "hdf5")]
+    {
+        let targets = |more: &[&str], name: &str| {
+            let (facets, count) = heard(&[&["--paths", name], more].concat());
+            count.unwrap() - facets
+        };
+        assert_eq!(targets(&[], "a.h5"), 1, "the buoy alone");
+        assert_eq!(targets(&["--set", "sea.shadow.enabled=false"], "b.h5"), 2, "nothing hides the boat");
+    }
+}

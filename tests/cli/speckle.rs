@@ -14,6 +14,8 @@ facet_m = 1.0
 [sea]
 wind_mps = 8.0
 wind_from_deg = 10.0
+# A facet that travels and is an average of tilts is spikier than Rayleigh: of two a cell nothing could be said.
+scattering = { bragg = "frozen" }
 [radar]
 carrier_hz = 10e9
 sample_rate_hz = 160e6
@@ -190,4 +192,33 @@ fn the_page_has_the_figures_of_its_file() {
     }
     // Eight winds, three channels.
     assert_eq!(rows_found, 24);
+}
+
+/// Figures of the last table, with and without breaking waves, are means over the winds of both files.
+#[test]
+fn the_page_compares_breaking_waves() {
+    let read = |name: &str| fs::read_to_string(package().join("docs").join(name)).unwrap();
+    let page = read("speckle.md");
+    for (breaking, name) in [("off", "speckle.csv"), ("whitecaps", "speckle_breaking.csv")] {
+        let figures = read(name);
+        let mut rows = csv::Reader::from_reader(figures.as_bytes());
+        let rows: Vec<_> =
+            rows.deserialize::<std::collections::HashMap<String, String>>().map(Result::unwrap).collect();
+        for channel in ["HH", "HV", "VV"] {
+            let of: Vec<_> = rows.iter().filter(|row| row["channel"] == channel).collect();
+            assert_eq!(of.len(), 8);
+            let mean = |key: &str, f: fn(f64) -> f64| {
+                of.iter().map(|row| f(row[key].parse().unwrap())).sum::<f64>() / of.len() as f64
+            };
+            let power_dbw = 10.0 * mean("mean_power_dbw", |dbw| 10f64.powf(dbw / 10.0)).log10();
+            let line = format!(
+                "| {channel} | {breaking} | {power_dbw:.1} | {:.4} | {:.3} | {:.3} | {:.2} |",
+                mean("nu_moments", |nu| nu),
+                mean("nu_likelihood", |nu| nu),
+                mean("nu_histogram", |nu| nu),
+                mean("ks_k", |d| d),
+            );
+            assert!(page.contains(&line), "not in the page: {line}");
+        }
+    }
 }

@@ -147,6 +147,7 @@ fn bad_keys_are_refused_in_words() {
         ("spreading --azimuth-deg 400", "--azimuth-deg 400 is not allowed; allowed: -360 to 360"),
         ("moments --low-rad-m 10 --high-rad-m 1", "--high-rad-m 1 is not allowed; allowed: 10 to"),
         ("sigma0 --incidence-deg 95", "--incidence-deg 95 is not allowed; allowed: 0 to 90"),
+        ("sigma0 --modulated --splitting mars2007", "allowed: --splitting consistent"),
         ("sigma0 --vary azimuth --incidence-deg 95", "--incidence-deg 95"),
         ("sigma0 --incidence-deg 30 --from-deg 10", "--incidence-deg and --from-deg both say"),
         ("sigma0 --facet-m 0", "--facet-m 0 is not allowed"),

@@ -3,8 +3,12 @@
 
 #[path = "../support/cases.rs"]
 mod cases;
+#[path = "../support/dem.rs"]
+mod dem;
 mod bragg_doppler;
+mod breaking;
 mod calibration;
+mod choppy;
 mod clocks;
 mod clutter_nrl;
 mod echo_golden;
@@ -12,8 +16,10 @@ mod echo_peak;
 mod echo_quadrature;
 mod hull_particulars;
 mod hull_tables;
+mod land_raster;
 mod light_wind;
 mod measured_tail;
+mod modulation;
 mod polarisation;
 mod quadrature;
 mod radar_extremes;
@@ -41,6 +47,7 @@ mod sea_surface;
 mod sea_wind;
 mod shadow;
 mod shadow_extremes;
+mod ship_panels;
 mod target_aspect;
 mod target_fluctuation;
 mod target_heave;

@@ -71,6 +71,8 @@ pub fn scene() -> Scene {
             window: Window { samples: 100_000, gate: Gate::Fixed { start_s: 0.0 } },
             losses_db: 0.0,
             atmosphere_db_per_km: 0.0,
+            rain_mmph: 0.0,
+            rain_clutter: None,
             noise_figure_db: None,
             adc: None,
             direct_path: false,

@@ -22,6 +22,8 @@ pub fn radar(window_samples: usize, noise_figure_db: Option<f64>, adc: Option<Ad
         window: Window { samples: window_samples, gate: Gate::Fixed { start_s: 0.0 } },
         losses_db: 0.0,
         atmosphere_db_per_km: 0.0,
+        rain_mmph: 0.0,
+        rain_clutter: None,
         noise_figure_db,
         adc,
         direct_path: false,

@@ -32,6 +32,7 @@ impl Batch {
             slope_y: &self.slopes[1],
             cover: &self.cover,
             phasors: &self.phasors,
+            modulation: &[],
             footprint_m2: 0.25,
         }
     }
@@ -127,6 +128,7 @@ fn a_cut_batch_gives_the_same_bits() {
             slope_y: &all.slope_y[from..to],
             cover: &all.cover[from..to],
             phasors: &all.phasors[2 * from..2 * to],
+            modulation: &[],
             ..all
         };
         part.scatter(&sea, Phases::PolCoherent, parts.each_mut().map(|v| &mut v[from..to])).unwrap();

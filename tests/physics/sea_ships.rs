@@ -27,6 +27,8 @@ fn ship(length_m: f64, speed_mps: f64, position_m: [f64; 2]) -> Ship {
         kelvin: Some(KelvinWake { short_waves: true, ..KelvinWake::default() }),
         turbulent: Some(TurbulentWake::default()),
         echo: false,
+        mesh: Default::default(),
+        panels: Default::default(),
     }
 }
 

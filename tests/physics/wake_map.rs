@@ -227,6 +227,8 @@ fn any_selection_gives_the_same_values() {
             horizontal_acceleration: bits & 4 > 0,
             displacement: bits & 8 > 0,
             slope_rate: bits & 16 > 0,
+            modulation: false,
+            stretch: false,
             vertical_acceleration: bits & 32 > 0,
         };
         let mut fields = Fields::<f64>::new(&grid, selection);

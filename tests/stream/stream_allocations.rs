@@ -131,20 +131,20 @@ fn making_pulses_allocates_nothing() {
 #[test]
 #[ignore = "run by making_pulses_allocates_nothing in a process of its own"]
 fn counted_pipeline() {
-    counted_scenario("calibration.toml", &[]);
+    counted_scenario("calibration.toml", &[], || true);
     // A moving sea in blocks, slick and shadows included, long enough for many blocks.
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let small = [set("scene.patch_size_m", "[24, 24]"), set("scene.duration_s", "6")];
-    counted_scenario("sea.toml", &small);
+    counted_scenario("sea.toml", &small, || true);
     // Tiles that are in the sidelobes in some blocks only, while the beam passes.
     let sidelobe = [
         set("scene.patch_size_m", "[64, 64]"),
         set("scene.duration_s", "6"),
         set("fidelity.sidelobe_db", "-20"),
     ];
-    counted_scenario("mars-1.toml", &sidelobe);
+    counted_scenario("mars-1.toml", &sidelobe, || true);
     // Late and wrong reports, turbulence, clocks.
-    counted_scenario("errors.toml", &[set("scene.duration_s", "6")]);
+    counted_scenario("errors.toml", &[set("scene.duration_s", "6")], || true);
 }
 
 /// The wire: to a receiver that listens, and to none; descriptions once a second included.
@@ -160,9 +160,9 @@ fn counted_wire() {
     let set = |key: &str, value: String| (key.to_owned(), value);
     let address = format!("\"{}\"", socket.local_addr().unwrap());
     let settings = [set("sink.0.address", address), set("scene.duration_s", "6".to_owned())];
-    counted_scenario("live-wire.toml", &settings);
+    counted_scenario("live-wire.toml", &settings, || true);
     drop(socket);
-    counted_scenario("live-wire.toml", &settings);
+    counted_scenario("live-wire.toml", &settings, || true);
 }
 
 fn is_free(mut address: std::net::SocketAddr, next: u16) -> bool {
@@ -189,6 +189,7 @@ fn counted_publishers() {
         [("sink".to_owned(), format!("[{sink}]")), duration]
     };
     // Subscribes to the first port whenever there is one, and reads what comes.
+    static SUBSCRIBED: AtomicBool = AtomicBool::new(false);
     std::thread::spawn(move || {
         let mut greeting = [0; 64];
         (greeting[0], greeting[9], greeting[10]) = (0xff, 0x7f, 3);
@@ -198,18 +199,25 @@ fn counted_publishers() {
             if let Ok(mut stream) = std::net::TcpStream::connect(port) {
                 let hello = stream.write_all(&greeting).is_ok()
                     && stream.write_all(b"\x04\x1a\x05READY\x0bSocket-Type\0\0\0\x03SUB\0\x01\x01").is_ok();
-                while hello && stream.read(&mut buffer).is_ok_and(|length| length > 0) {}
+                let mut read = 0;
+                while hello && let Ok(length @ 1..) = stream.read(&mut buffer) {
+                    read += length;
+                    // Beyond the greeting and the handshake: pulses.
+                    SUBSCRIBED.store(read > 1024, Ordering::Relaxed);
+                }
+                SUBSCRIBED.store(false, Ordering::Relaxed);
             }
             std::thread::sleep(Duration::from_millis(1));
         }
     });
     for messages in ["samples", "multipart"] {
         let sink = format!("{{ kind = 'zmq', bind = '{port}', messages = '{messages}', buffer_pulses = 8 }}");
-        counted_scenario("live-wire.toml", &set(&sink));
+        counted_scenario("live-wire.toml", &set(&sink), || SUBSCRIBED.load(Ordering::Relaxed));
     }
 }
 
-fn counted_scenario(name: &str, settings: &[(String, String)]) {
+/// Nothing is counted before it is `ready`, or a second has passed.
+fn counted_scenario(name: &str, settings: &[(String, String)], ready: impl Fn() -> bool + Sync) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
     let mut run = nereus::config::load(&path, settings).unwrap();
     // What sends stays.
@@ -223,6 +231,9 @@ fn counted_scenario(name: &str, settings: &[(String, String)]) {
         let outcome = nereus::pipeline::build::stream(&run, 0..end)
             .unwrap()
             .tap(&Arc::new(AtomicBool::new(false)), |pulse| {
+                if pace == Pace::Fast && pulse.index < from && !ready() {
+                    std::thread::sleep(Duration::from_millis(5));
+                }
                 if pulse.index >= from && before.is_none() {
                     before = Some(ALLOCATIONS.load(Ordering::Relaxed));
                 }

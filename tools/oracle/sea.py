@@ -76,8 +76,8 @@ class Facets:
 
 SEA_KEYS = {
     "sea": "wind_ustar_mps wind_mps wind_height_m wind_profile wind_towards_deg wind_from_deg spectrum "
-    "inverse_wave_age fetch_m capillary depth_m temperature_c salinity_psu permittivity averaging scattering shadow",
-    "sea.scattering": "splitting phases cut_radpm tilt_average light_wind gram_charlier bragg drift_share drift_deg decorrelation_ms displacement",
+    "inverse_wave_age fetch_m capillary depth_m temperature_c salinity_psu permittivity averaging waves scattering shadow",
+    "sea.scattering": "splitting phases cut_radpm tilt_average light_wind gram_charlier bragg drift_share drift_deg breaking modulation relaxation_per_s decorrelation_ms displacement",
     "sea.shadow": "enabled edge width_rad rays_per_facet update_ms",
 }
 SPECTRA = ("elfouhaily", "elfouhaily-fung-lee", "fung-lee")
@@ -112,6 +112,8 @@ class Sea:
         self.scene, self.seed = scene, seed
         place, sea = config["scene"], config["sea"]
         known(sea, "sea")
+        if sea.get("waves", "linear") != "linear":
+            raise Unfit("choppy waves cannot be judged")
         self._patch(config, place)
         self._water(sea)
         self._returns(sea.get("scattering", {}))
@@ -165,8 +167,13 @@ class Sea:
 
     def _returns(self, table):
         known(table, "sea.scattering")
-        if table.get("bragg", "frozen") != "frozen":
-            raise Unfit("Bragg waves that travel cannot be judged")
+        single = table.get("phases", "polcoherent") == "single"
+        if table.get("bragg", "frozen" if single else "travelling") != "frozen":
+            raise Unfit('Bragg waves that travel cannot be judged: set bragg = "frozen"')
+        if table.get("breaking", "off") != "off":
+            raise Unfit("breaking waves cannot be judged")
+        if table.get("modulation", "off") != "off":
+            raise Unfit("modulated Bragg waves cannot be judged")
         if table.get("decorrelation_ms", False):
             raise Unfit("decorrelation_ms cannot be judged")
         self.splitting = choice(table, "splitting", "consistent", ("consistent", "mars2007"))

@@ -13,13 +13,16 @@ use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::frames::Earth;
 use crate::radar::filter::ReceiveFilter;
+use crate::radar::rain::{attenuation_db_per_km, fall_mps, volume_reflectivity_per_m};
 use crate::radar::receiver::thermal_noise_w;
 use crate::scene::Scene;
-use crate::scene::radar::Aim;
+use crate::scene::radar::{Aim, RainClutter};
 use crate::units::{Decibels, neat};
 
 /// The row of the echo among what is modelled.
 pub const ECHO: &str = "echo";
+/// That of the echo of rain.
+pub const RAIN: &str = "echo of rain";
 
 /// Something and what there is to say about it.
 #[derive(Clone, Debug, Serialize)]
@@ -53,6 +56,24 @@ pub fn models(run: &Run) -> Models {
         "exact light time of every pulse; Doppler within the pulse, carrier and envelope stretched alike",
     ));
     horizon(&run.scene, &mut with, &mut without);
+    if radar.rain_mmph > 0.0 {
+        let takes = attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph);
+        let how = format!(
+            "{} mm/h on all of every path: {takes:.3} dB/km one way (ITU-R P.838-3, circular polarisation)",
+            radar.rain_mmph
+        );
+        with.push(described("rain", how));
+    }
+    if let Some(RainClutter { top_m, spread_mps }) = radar.rain_clutter {
+        let how = format!(
+            "Rayleigh scattering, {:.1} dB of 1/m up to {} m; falls at {:.1} m/s, {} m/s rms",
+            Decibels::from_power_ratio(volume_reflectivity_per_m(radar.carrier_hz, radar.rain_mmph)).0,
+            neat(top_m),
+            fall_mps(radar.rain_mmph),
+            neat(spread_mps)
+        );
+        with.push(described(RAIN, how));
+    }
     with.push(described(
         ECHO,
         match run.fidelity {

@@ -3,20 +3,21 @@
 use super::{Described, described};
 use crate::adequacy::{AZIMUTH_M, Adequacy};
 use crate::inputs::shown;
-use crate::scene::Scene;
 use crate::scene::sea::{
-    Averaging, BraggWaves, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation, Sea,
-    Shadowing, SlickShape, Splitting,
+    Averaging, BraggWaves, Breaking, FacetScattering, LightWinds, Modulation, PatchPlace, Permittivity,
+    Phases, Realisation, Sea, Shadowing, SlickShape, Splitting, Waves,
 };
 use crate::scene::water::{
     Development, SpectrumKind, Spreading, Swell, SwellShape, Water, WindProfile, WindStrength,
 };
+use crate::scene::{Land, Scene};
 use crate::units::neat;
 
 /// What is modelled of the sea, and what is not and why.
 pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec<Described>) {
     let Some(sea) = &scene.sea else {
         without.push(described("sea", "no [sea]"));
+        without.push(described("land", "no [sea] and [land]: no echo and no shadow of coasts"));
         return;
     };
     with.push(described("sea", patch_text(sea, &scene.platforms)));
@@ -46,12 +47,33 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
         );
         with.push(described("slick", text));
     }
+    match &sea.land {
+        Some(land) => {
+            with.push(described("land", land_text(land)));
+            without.push(described(
+                "land beyond the patch",
+                "[land] returns and hides facets within the patch alone; it hides targets, but no panels of ships, direct path or rain",
+            ));
+        }
+        None => without.push(described("land", "no [land]: no echo and no shadow of coasts")),
+    }
     let scattering = &sea.scattering;
     let frozen = scattering.bragg == BraggWaves::Frozen;
     if frozen {
         let how = "sea.scattering.bragg = \"frozen\": echoes have the Doppler of the resolved waves alone";
         without.push(described("Doppler of Bragg waves", how));
     }
+    if scattering.modulation == Modulation::Off {
+        let how = "sea.scattering.modulation = \"off\": as rough on every face of a wave, the same echo upwind and downwind";
+        without.push(described("modulation of Bragg waves", how));
+    }
+    let how = match sea.waves {
+        Waves::Linear => "sea.waves = \"linear\": crests as long as troughs, heights without skewness",
+        Waves::Choppy => {
+            "sea.waves = \"choppy\": waves of ships stay linear, and shadows and breakers are found on linear waves"
+        }
+    };
+    without.push(described("steepness of waves", how));
     if frozen && scattering.decorrelation_s.is_none() {
         without.push(described(
             "decorrelation",
@@ -78,7 +100,10 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
     if sea.slicks.is_empty() {
         without.push(described("slicks", "no [[slick]]"));
     }
-    without.push(described("breaking waves", "a linear sea: no sea spikes, low HH at low grazing angles"));
+    if scattering.breaking == Breaking::Off {
+        let how = "sea.scattering.breaking = \"off\": no sea spikes, low HH at low grazing angles";
+        without.push(described("breaking waves", how));
+    }
     let how = match scattering.bragg {
         BraggWaves::Travelling { drift_share, .. } if drift_share > 0.0 => {
             "the drift of the wind moves what scatters, not waves, slicks and wakes"
@@ -148,6 +173,18 @@ fn patch_text(sea: &Sea, platforms: &[String]) -> String {
     format!("{nx} x {ny} facets of {} m, {x_m} m x {y_m} m, {place}", sea.patch.facet_m)
 }
 
+fn land_text(land: &Land) -> String {
+    let db = |ratio: f64| neat((1e3 * ratio.log10()).round() / 100.0);
+    format!(
+        "above {} m in {}; constant gamma of {} dB (VV), HH {} dB and cross-polarisation {} dB over it",
+        land.sea_level_m,
+        shown(&land.dem),
+        db(land.gamma),
+        db(land.hh_over_vv),
+        db(land.cross_over_vv)
+    )
+}
+
 fn waves_text(sea: &Sea, seed: u64) -> String {
     let Water { wind, spectrum, dispersion, .. } = &sea.water;
     let strength = match wind.strength {
@@ -199,10 +236,14 @@ fn waves_text(sea: &Sea, seed: u64) -> String {
         Realisation::Saved { path } => format!("saved state {}", shown(path)),
     };
     let depth = dispersion.depth_m.map_or("deep water".to_owned(), |depth_m| format!("{depth_m} m deep"));
+    let shape = match sea.waves {
+        Waves::Linear => "",
+        Waves::Choppy => ", choppy waves of second order",
+    };
     let tension = if dispersion.capillary { ", surface tension" } else { "" };
     format!(
         "{spectrum}; wind {strength} in {profile}, towards {towards_deg} deg from East (from {from_deg} deg from North); \
-         {depth}{tension}; {drawn}"
+         {depth}{tension}{shape}; {drawn}"
     )
 }
 
@@ -258,6 +299,16 @@ fn scattering_text(scattering: &FacetScattering) -> String {
                 text += &format!(" turned by {} deg", neat(drift_turn_rad.to_degrees()));
             }
         }
+    }
+    if scattering.breaking == Breaking::Whitecaps {
+        text += "; waves break on steep crests, as many as whitecaps cover";
+    }
+    if let Modulation::Relaxation { rate_per_s } = scattering.modulation {
+        text += "; long waves modulate them, ";
+        text += &match rate_per_s {
+            Some(rate_per_s) => format!("relaxing at {} 1/s", neat(rate_per_s)),
+            None => "relaxing at their growth rate".to_owned(),
+        };
     }
     if let Some(decorrelation_s) = scattering.decorrelation_s {
         text += &format!(", forgotten in {} ms", neat(1e3 * decorrelation_s));

@@ -4,7 +4,7 @@ use super::{Described, described};
 use crate::adequacy::ShipOutlook;
 use crate::inputs::shown;
 use crate::scene::Scene;
-use crate::scene::ship::{HullGiven, Ship};
+use crate::scene::ship::{HullGiven, Ship, ShipMotion};
 use crate::units::neat;
 
 /// Below this Froude number real ships make smaller waves than thin ones.
@@ -31,9 +31,12 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
     idle("short waves of ships", smooth, "wake_bragg = false, its default from 6 GHz on", without);
     idle("turbulent wakes", |ship| ship.turbulent.is_none(), "turbulent = false", without);
     idle("echo of ships", |ship| !ship.echo, "echo = false", without);
+    let level = |ship: &Ship| ship.mesh.motion == ShipMotion::Level;
+    idle("heave, roll and pitch of ships", level, "motion = \"level\": they ride level", without);
     without.push(described(
         "ships otherwise",
-        "straight courses; no hull among the waves: it hides nothing, breaks no wave, and does not roll or pitch",
+        "straight courses; no hull among the waves: it breaks and reflects none, and hides the sea behind it only \
+         where its mesh echoes",
     ));
 }
 
@@ -68,7 +71,10 @@ fn ship_text(ship: &Ship) -> String {
         );
     }
     if ship.echo {
-        text += "; echo of its scatterers";
+        text += "; it echoes";
+    }
+    if ship.mesh.motion != ShipMotion::Level {
+        text += "; it heaves, pitches and rolls with the waves";
     }
     text
 }
@@ -104,6 +110,12 @@ pub fn figures(ship: &ShipOutlook) -> String {
         "unresolved" => "; its wake is too fine for the facets",
         _ => "; its wake is beyond the band limit",
     };
+    if ship.panels > 0 {
+        text += &format!("; {} panels of its mesh echo", ship.panels);
+    }
+    if let Some(roll_period_s) = ship.roll_period_s {
+        text += &format!("; it rides the waves and rolls with a period of {roll_period_s:.1} s");
+    }
     if let Some((quantity, percent)) = ship.furthest_particular {
         let units = ["_m", "_m2", "_m3", "_percent"];
         let name = units.iter().find_map(|unit| quantity.strip_suffix(unit)).unwrap_or(quantity);

@@ -13,15 +13,11 @@ use crate::cli::sea::SeaError;
 use crate::motion::PlatformTracks;
 use crate::pipeline::build;
 use crate::pipeline::scenario::Scenario;
-use crate::plot::chart::{Curve, Mark, Plot, PlotAxis, Spacing};
-use crate::processor::comparison::{ChannelComparison, Side, compare as compare_images};
+use crate::processor::comparison::{Side, compare as compare_images, difference};
 use crate::processor::focus::{Focuser, Image};
 use crate::processor::two_way_gain::TwoWayGain;
 use crate::recording::Recording;
 use crate::recording::output::{FileKind, Output};
-
-/// Lowest level of a picture of cuts, dB.
-const FLOOR_DB: f64 = -60.0;
 
 /// Refuses options that have no meaning with this --nav.
 pub(super) fn check(args: &FocusArgs) -> Result<(), FocusError> {
@@ -92,7 +88,7 @@ pub(super) fn compare(
     let mut made = outputs.write(args, recording, &shown, &doubled)?;
     for (output, channel) in cuts.into_iter().zip(&channels) {
         made.push(output.path().to_owned());
-        draw_cuts(channel, output)?;
+        save_canvas(output, &channel.cuts().map_err(SeaError::from)?)?;
     }
     let comparison = table::Comparison {
         recording: args.recording.display().to_string(),
@@ -132,47 +128,8 @@ fn reference(
     like: &Recording,
 ) -> Result<(Recording, Option<Scenario>), FocusError> {
     let (right, scenario) = open(args, path)?;
-    let (a, b) = (&right.header, &like.header);
-    let channels = |of: &Recording| -> Vec<String> {
-        of.channels().iter().map(|place| of.header.channels[*place].name.clone()).collect()
-    };
-    let differs = [
-        ("carrier_hz", a.carrier_hz != b.carrier_hz),
-        ("bandwidth_hz", a.bandwidth_hz != b.bandwidth_hz),
-        ("prf_hz", a.prf_hz != b.prf_hz),
-        ("pulses", right.index != like.index),
-        ("channels", channels(&right) != channels(like)),
-        ("targets", a.targets != b.targets),
-    ];
-    if let Some((what, _)) = differs.iter().find(|(_, differs)| *differs) {
+    if let Some(what) = difference(&right, like) {
         return Err(FocusError::Against { path: path.to_owned(), what });
     }
     Ok((right, scenario))
-}
-
-/// The cut in cross-range of the first point that has one.
-fn draw_cuts(channel: &ChannelComparison, output: Output) -> Result<(), CliError> {
-    let shown = channel.targets.iter().find(|target| target.curves.iter().all(|curve| !curve.is_empty()));
-    let none = [Vec::new(), Vec::new(), Vec::new()];
-    let [right, measured, predicted] = shown.map_or(&none, |target| &target.curves);
-    let point = shown.map_or("no point on the image", |target| target.name.as_str());
-    let limits = [10f64.powf(0.1 * FLOOR_DB), 10f64.powf(0.3)];
-    let canvas = Plot {
-        title: &format!("{}, {point}: reported navigation", channel.name),
-        x: PlotAxis { label: "cross-range, cells from the peak", spacing: Spacing::Linear, limits: None },
-        y: PlotAxis {
-            label: "over the peak without error, dB",
-            spacing: Spacing::Decibels,
-            limits: Some(limits),
-        },
-        curves: &[
-            Curve { name: "true navigation", points: right, mark: Mark::Line },
-            Curve { name: "measured", points: measured, mark: Mark::Line },
-            Curve { name: "predicted", points: predicted, mark: Mark::Dots },
-        ],
-        size_px: [720, 400],
-    }
-    .draw()
-    .map_err(SeaError::from)?;
-    Ok(save_canvas(output, &canvas)?)
 }

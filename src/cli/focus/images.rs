@@ -12,9 +12,8 @@ use crate::cli::focus::error::FocusError;
 use crate::cli::outputs::save_canvas;
 use crate::cli::sea::SeaError;
 use crate::plot::canvas::Canvas;
-use crate::plot::picture::{Axis, Limits, Picture, Reduction};
 use crate::processor::focus::Image;
-use crate::processor::multilook::percentile;
+use crate::processor::focus::picture::Scale;
 use crate::recording::Recording;
 use crate::recording::field_file::Attribute;
 use crate::recording::image_file::ImageFile;
@@ -90,37 +89,13 @@ pub(super) fn pictures(path: &Path, names: &[String]) -> Vec<PathBuf> {
 }
 
 fn picture(args: &FocusArgs, image: &Image, nav: FocusNav) -> Result<Canvas, CliError> {
-    let (power, cells) = image.power(args.looks);
-    let (values, quantity, limits) = match args.percentile {
-        None => {
-            let values: Vec<f64> = power.iter().map(|p| 10.0 * p.log10()).collect();
-            (values, "dBW", Limits::Below { percent: 100.0, span: args.dynamic_db })
-        }
-        Some(percent) => {
-            let values: Vec<f64> = power.iter().map(|p| p.sqrt()).collect();
-            let top = percentile(&values, percent).unwrap_or(0.0);
-            (values, "amplitude, sqrt(W)", Limits::Fixed([0.0, top.max(f64::MIN_POSITIVE * 1e20)]))
-        }
-    };
     let title = format!("{}, {}, {} navigation", image.channel, counted(image.pulses, "pulse"), nav.name());
-    let step = args.pixel_m * args.looks as f64;
-    let edge = |axis: usize| {
-        let [low, _] = image.ground.edges_m(axis);
-        [low, low + cells[axis] as f64 * step]
+    let scale = match args.percentile {
+        None => Scale::Decibels { span: args.dynamic_db },
+        Some(percent) => Scale::Amplitudes { percent },
     };
-    let ([left, right], [lower, upper]) = (edge(0), edge(1));
-    let picture = Picture {
-        title: &title,
-        x: Axis { label: "East, m", from: left, to: right },
-        y: Axis { label: "North, m", from: lower, to: upper },
-        quantity,
-        limits,
-        reduction: if args.percentile.is_none() { Reduction::MeanPower } else { Reduction::Mean },
-        scale_bar: Some("m"),
-        size_px: if args.panels { 512 } else { 768 },
-        ..Picture::new(&values, cells).map_err(SeaError::from)?
-    };
-    Ok(picture.draw().map_err(SeaError::from)?)
+    let size_px = if args.panels { 512 } else { 768 };
+    Ok(image.picture(&title, args.looks, scale, size_px).map_err(SeaError::from)?)
 }
 
 fn values(

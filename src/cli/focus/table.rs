@@ -8,7 +8,6 @@ use serde::Serialize;
 use super::{CliError, FocusArgs};
 use crate::cli::{counted, escape, json, say};
 use crate::processor::comparison::{ChannelComparison, Figures, Target};
-use crate::processor::degradation::scenario::Law;
 
 /// What `--json` prints.
 #[derive(Debug, Serialize)]
@@ -127,36 +126,7 @@ fn write_target(target: &Target, out: &mut dyn Write) -> std::io::Result<()> {
         writeln!(out, "  {:<16} scenario  aim: {loss_db:.3} dB of gain lost, both ways", "")?;
     }
     for law in &target.laws {
-        writeln!(out, "  {:<16} scenario  {}", "", words(law))?;
+        writeln!(out, "  {:<16} scenario  {}", "", law)?;
     }
     Ok(())
-}
-
-fn words(law: &Law) -> String {
-    match law {
-        Law::Bias { path_m, range_cells, cross_range_cells } => format!(
-            "bias of {path_m:+.3} m of path: {range_cells:+.3} cells of range, {cross_range_cells:+.3} of cross-range"
-        ),
-        Law::Ramp { path_mps, range_cells, cross_range_cells } => format!(
-            "ramp of {path_mps:+.4} m/s of path: {range_cells:+.3} cells of range, {cross_range_cells:+.3} of cross-range"
-        ),
-        Law::Sinusoid { beta_rad, echoes } => format!(
-            "sinusoid of {beta_rad:.4} rad: main lobe {:.3} dB, echoes at +-{:.3} cells, {:.2} dB",
-            echoes.main_db, echoes.distance_cells, echoes.level_db
-        ),
-        Law::Step { phase_rad, loss_db: Some(loss), cross_range_cells: Some(cells) } => {
-            format!(
-                "step of {phase_rad:+.4} rad in the middle: loss {loss:.3} dB, {cells:+.3} cells of cross-range"
-            )
-        }
-        Law::Step { phase_rad, .. } => format!("step of {phase_rad:+.4} rad"),
-        Law::White { sigma_rad, mean_loss_db } => {
-            format!("white noise of {sigma_rad:.4} rad: mean loss {mean_loss_db:.3} dB")
-        }
-        Law::GaussMarkov { sigma_rad, tau_s, mean_loss_db } => {
-            format!(
-                "Gauss-Markov noise of {sigma_rad:.4} rad, {tau_s} s: mean loss at the place expected {mean_loss_db:.3} dB"
-            )
-        }
-    }
 }

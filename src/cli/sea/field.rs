@@ -13,7 +13,7 @@ use crate::cli::scenario::{OutputArgs, ScenarioArgs};
 use crate::plot::colours::ColourMap;
 use crate::plot::picture::Picture;
 use crate::recording::field_file::Attribute;
-use crate::recording::map_file::{Layer, MapFile};
+use crate::recording::map_file::{MapFile, sea_layers};
 use crate::recording::output::Output;
 use crate::scene::Patch;
 use crate::sea::surface::{Fields, Selection};
@@ -57,34 +57,13 @@ pub(in crate::cli) fn write_map(
     patch: &Patch,
     fields: &Fields<f64>,
 ) -> Result<(), SeaError> {
-    let layers = LAYERS.map(|(name, unit, meaning, values)| {
-        let values: &[f64] = values(fields);
-        Layer { name, unit, meaning, values }
-    });
+    let layers = sea_layers(fields);
     let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
     let run = [("software", Attribute::Text(&software)), ("config", Attribute::Text(config))];
     let attributes = [&run, attributes].concat();
     let file = MapFile { format, attributes: &attributes, patch, layers: &layers };
     output.write(|partial| Ok(file.write(partial)?))
 }
-
-/// Name, unit and meaning of a layer, and where its values are.
-pub(super) type LayerOf = (&'static str, &'static str, &'static str, fn(&Fields<f64>) -> &[f64]);
-
-/// The layers of a map.
-pub(super) const LAYERS: [LayerOf; 11] = [
-    ("height_m", "m", "height above the mean surface", |f| &f.height_m),
-    ("slope_x", "1", "slope dz/dx, x to the East", |f| &f.slope[0]),
-    ("slope_y", "1", "slope dz/dy, y to the North", |f| &f.slope[1]),
-    ("velocity_x_mps", "m/s", "orbital velocity, East", |f| &f.velocity_mps[0]),
-    ("velocity_y_mps", "m/s", "orbital velocity, North", |f| &f.velocity_mps[1]),
-    ("velocity_up_mps", "m/s", "orbital velocity, up", |f| &f.velocity_mps[2]),
-    ("acceleration_x_mps2", "m/s^2", "orbital acceleration, East", |f| &f.acceleration_mps2[0]),
-    ("acceleration_y_mps2", "m/s^2", "orbital acceleration, North", |f| &f.acceleration_mps2[1]),
-    ("acceleration_up_mps2", "m/s^2", "orbital acceleration, up", |f| &f.acceleration_mps2[2]),
-    ("displacement_x_m", "m", "horizontal displacement of the water, East", |f| &f.displacement_m[0]),
-    ("displacement_y_m", "m", "horizontal displacement of the water, North", |f| &f.displacement_m[1]),
-];
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

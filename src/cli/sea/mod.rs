@@ -28,13 +28,15 @@ use crate::adequacy::patch_at;
 use crate::config::Run;
 use crate::pipeline::fault::BuildErrors;
 use crate::recording::field_file::Attribute;
+use crate::recording::map_file::{Layer, sea_layers};
 use crate::recording::output::{FileKind, Output, OutputError};
 use crate::scene::Patch;
-use crate::scene::sea::Sea;
+use crate::scene::sea::{Sea, Waves};
 use crate::sea::facet_surface::FacetSurface;
 use crate::sea::fleet::Fleet;
 use crate::sea::realise::{Realised, realise};
 use crate::sea::summary::Summary;
+use crate::sea::surface::choppy::Choppy;
 use crate::sea::surface::{Fields, Selection};
 use field::{files, write_map};
 
@@ -58,12 +60,9 @@ pub struct SeaMap {
 }
 
 impl SeaMap {
-    /// Every field: name, unit, meaning, and a value for each facet, from South to North and in a row from
-    /// West to East.
-    pub fn layers(&self) -> impl Iterator<Item = (&'static str, &'static str, &'static str, &[f64])> {
-        field::LAYERS
-            .into_iter()
-            .map(|(name, unit, meaning, values)| (name, unit, meaning, values(&self.fields)))
+    /// Every field, facet by facet from South to North and in a row from West to East.
+    pub fn layers(&self) -> [Layer<'_>; 11] {
+        sea_layers(&self.fields)
     }
 
     /// Centres of the facets, East and North, m.
@@ -96,7 +95,8 @@ fn evaluate(run: &Run, sea: &Sea, time_s: f64, selection: Selection) -> Result<S
     // Ships do not repeat with the waves of the wind: it matters where the patch lies.
     let patch = if ships.is_empty() { sea.patch } else { patch_at(run, sea, time_s)? };
     let fleet = Fleet::muster(ships, &[(time_s, patch)]).map_err(BuildErrors::from)?;
-    let surface = FacetSurface::new(&realised.surface, selection);
+    let choppy = (sea.waves == Waves::Choppy).then(|| Choppy::of(&realised.surface));
+    let surface = FacetSurface::new(&realised.surface, selection).with_choppy(choppy);
     let mut surface = surface.with_wakes(&fleet.wakes, &patch).map_err(SeaError::from)?;
     let mut fields = surface.fields(&patch);
     surface.evaluate(time_s, &patch, &mut fields).map_err(SeaError::from)?;
@@ -126,6 +126,9 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
         asked.field.draw(output, &title, &patch, &fields)?;
     }
     let mut report = report(&summary);
+    if sea.waves == Waves::Choppy {
+        report.line("choppy waves: heights and slopes are those of the facets where the displacement has carried them");
+    }
     files(&mut report, [("out", &asked.out), ("png", &asked.png), ("state", save_state)]);
     if asked.out.is_none() && asked.png.is_none() && save_state.is_none() {
         report.line("no file was asked for: --out, --png, --save-state");

@@ -16,7 +16,7 @@ use clap::Args;
 use super::field::files;
 use super::{SeaError, paths};
 use crate::cli::error::CliError;
-use crate::cli::outputs::{axes, outputs, save_png};
+use crate::cli::outputs::{axes, channel_number, outputs, save_png};
 use crate::cli::report::Report;
 use crate::cli::scenario::{OutputArgs, ScenarioArgs};
 use crate::cli::values::counts;
@@ -72,10 +72,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     let names: Vec<&str> = scene.radar.channels.iter().map(|channel| channel.name.as_str()).collect();
     let shown = match &args.channel {
         None => names.len() - 1,
-        Some(name) => names
-            .iter()
-            .position(|n| n == name)
-            .ok_or_else(|| SeaError::NoChannel { name: name.clone(), known: names.join(", ") })?,
+        Some(name) => channel_number(scene, name)?,
     };
     if args.pulse >= scene.pulses {
         return Err(SeaError::NoPulse { pulse: args.pulse, pulses: scene.pulses }.into());
@@ -117,26 +114,20 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
 fn add_facets(report: &mut Report, pulse: u64, names: &[&str], snapshot: Option<&Snapshot>) {
     let (mut facets, mut illuminated, mut received, mut channels) = (0, 0, 0, Vec::new());
     if let Some(snapshot) = snapshot {
-        let returns = |facet: usize| snapshot.amplitude.iter().any(|channel| channel[facet].norm_sqr() > 0.0);
         facets = snapshot.patch.len();
-        for facet in (0..facets).filter(|facet| returns(*facet)) {
-            illuminated += 1;
-            received += usize::from(snapshot.received.iter().any(|pair| pair[facet]));
-        }
+        (illuminated, received) = snapshot.counts();
         report.line(format!(
             "pulse {pulse}: {illuminated} of {facets} facets return something; {received} of them within the receive window"
         ));
-        let dbw = |power: f64| (power > 0.0).then(|| 10.0 * power.log10());
-        for (name, amplitude) in names.iter().zip(&snapshot.amplitude) {
-            let power = amplitude.iter().map(|a| a.norm_sqr());
-            let (strongest, sum) = (dbw(power.clone().fold(0.0, f64::max)), dbw(power.sum()));
-            report.line(match (strongest, sum) {
-                (Some(strongest), Some(sum)) => {
+        for (channel, name) in names.iter().enumerate() {
+            let levels = snapshot.levels_dbw(channel);
+            report.line(match levels {
+                Some([strongest, sum]) => {
                     format!("{name}: strongest facet {strongest:.1} dBW, sum of powers {sum:.1} dBW")
                 }
-                _ => format!("{name}: nothing"),
+                None => format!("{name}: nothing"),
             });
-            channels.push((*name, strongest, sum));
+            channels.push((*name, levels.map(|[strongest, _]| strongest), levels.map(|[_, sum]| sum)));
         }
     }
     report.value("pulse", pulse).value("facets", facets).value("illuminated", illuminated);

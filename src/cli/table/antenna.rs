@@ -4,7 +4,6 @@ use std::io::Write;
 
 use clap::{Args, ValueEnum};
 
-use super::cos_sin;
 use super::csv::{self, Cell};
 use super::error::TableError;
 use super::sweep::{AngleSweep, Usual};
@@ -13,7 +12,7 @@ use crate::cli::values::within;
 use crate::frames::Vector;
 use crate::radar::antenna::Antenna;
 use crate::scene::radar::Pattern;
-use crate::units::SPEED_OF_LIGHT_MPS;
+use crate::units::{SPEED_OF_LIGHT_MPS, cos_sin_of_degrees};
 
 /// `nereus table antenna`
 #[derive(Debug, Args)]
@@ -73,7 +72,7 @@ pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<()
     let antenna = Antenna::open(&pattern, wavelength_m)?;
     let mut table = csv::Table::new(out);
     for angle_deg in angles_deg {
-        let (ahead, cosine) = cos_sin(angle_deg);
+        let (ahead, cosine) = cos_sin_of_degrees(angle_deg);
         let direction = match args.cut {
             Cut::Az => Vector::new(ahead, cosine, 0.0),
             Cut::El => Vector::new(ahead, 0.0, cosine),

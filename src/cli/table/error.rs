@@ -24,6 +24,11 @@ pub enum TableError {
         /// What was given.
         value: String,
     },
+    /// Modulation that nothing in the table would show.
+    #[error(
+        "--modulated has no effect with --splitting mars2007, which tilts nothing within a facet; allowed: --splitting consistent"
+    )]
+    Unmodulated,
     /// A sweep by steps without rows, or without end.
     #[error(
         "{from_key} {from} {to_key} {to} {step_key} {step}: allowed: finite numbers, from no greater than to, a step above 0 that gives at most {most} rows"

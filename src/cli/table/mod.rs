@@ -139,18 +139,3 @@ pub(super) fn table(args: &TableArgs, out: &mut dyn Write) -> Result<(), CliErro
         Quantity::WakeResistance(args) => hull::wake_resistance(args, out),
     }
 }
-
-/// Cosine and sine of an angle in degrees, exact at right angles: straight back is straight back, and
-/// crosswind is neither up- nor downwind.
-fn cos_sin(angle_deg: f64) -> (f64, f64) {
-    match angle_deg.rem_euclid(360.0) {
-        0.0 => (1.0, 0.0),
-        90.0 => (0.0, 1.0),
-        180.0 => (-1.0, 0.0),
-        270.0 => (0.0, -1.0),
-        turned => {
-            let (sin, cos) = turned.to_radians().sin_cos();
-            (cos, sin)
-        }
-    }
-}

@@ -6,24 +6,30 @@ use std::io::Write;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 
+use super::TableError;
 use super::csv::{self, Cell};
 use super::sea_keys::{SpectrumKeys, WaterKeys, WindKeys, bound_seas};
 use super::sweep::{AngleSweep, SlopeSweep, Usual};
 use super::waves::WAVE_NUMBER_RANGE_RAD_M;
-use super::{TableError, cos_sin};
 use crate::cli::error::CliError;
 use crate::cli::values::within;
+use crate::scattering::breaking;
 use crate::scattering::kind::Kind;
 use crate::scattering::kind::clean::Clean;
 use crate::scattering::kind::slick::Slick;
+use crate::scattering::modulation::of_bragg_waves_per_s;
 use crate::scattering::slope_pdf::SlopePdf;
 use crate::scattering::tilt::Path;
 use crate::scattering::two_scale::{self, Medium, TwoScale};
 use crate::scene::sea::LightWinds;
+use crate::scene::water::Dispersion;
 use crate::sea::spectrum::WaveVector;
+use crate::units::cos_sin_of_degrees;
 
 /// Facets that may be asked for, m.
 const FACET_RANGE_M: [f64; 2] = [1e-3, 1e4];
+/// Relaxation rates that may be asked for, 1/s.
+const RELAXATION_RANGE_PER_S: [f64; 2] = [0.01, 1000.0];
 /// Steepest slope of a facet, or of a density, that may be asked for.
 const STEEPEST: f64 = 10.0;
 
@@ -80,12 +86,22 @@ pub struct TableSigma0Args {
     /// Do not average the Bragg part over unresolved tilts
     #[arg(long)]
     untilted: bool,
+    /// Modulate the Bragg waves of unresolved tilts by the relaxation-rate model
+    #[arg(long, conflicts_with = "untilted")]
+    modulated: bool,
+    /// Rate at which modulated waves relax, 1/s
+    /// [default: the growth rate of the Bragg waves seen at 45 degrees]
+    #[arg(long, value_name = "X", requires = "modulated")]
+    relaxation_per_s: Option<f64>,
     /// Bragg waves in light wind
     #[arg(long, value_enum, default_value_t = LightWind::Threshold)]
     light_wind: LightWind,
     /// Give the slope density its Gram-Charlier terms
     #[arg(long)]
     gram_charlier: bool,
+    /// Add breaking waves, in columns of their own and to the sum
+    #[arg(long)]
+    breaking: bool,
     /// Kind of water surface
     #[arg(long, value_enum, default_value_t = Surface::Clean)]
     surface: Surface,
@@ -162,6 +178,27 @@ impl Angles {
     }
 }
 
+impl TableSigma0Args {
+    /// Refuses numbers out of range.
+    fn check(&self) -> Result<(), CliError> {
+        if let Some(facet_m) = self.facet_m {
+            within("--facet-m", &[facet_m], FACET_RANGE_M)?;
+        }
+        if let Some(cut_rad_m) = self.cut_rad_m {
+            within("--cut-rad-m", &[cut_rad_m], WAVE_NUMBER_RANGE_RAD_M)?;
+        }
+        if self.modulated && self.splitting == Splitting::Mars2007 {
+            return Err(TableError::Unmodulated.into());
+        }
+        if let Some(relaxation_per_s) = self.relaxation_per_s {
+            within("--relaxation-per-s", &[relaxation_per_s], RELAXATION_RANGE_PER_S)?;
+        }
+        within("--slope-x", &[self.slope_x], [-STEEPEST, STEEPEST])?;
+        within("--slope-y", &[self.slope_y], [-STEEPEST, STEEPEST])?;
+        Ok(())
+    }
+}
+
 /// Prints the table.
 pub(super) fn sigma0(args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), CliError> {
     match args.surface {
@@ -172,14 +209,7 @@ pub(super) fn sigma0(args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), 
 
 fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), CliError> {
     let angles = Angles::of(args)?;
-    if let Some(facet_m) = args.facet_m {
-        within("--facet-m", &[facet_m], FACET_RANGE_M)?;
-    }
-    if let Some(cut_rad_m) = args.cut_rad_m {
-        within("--cut-rad-m", &[cut_rad_m], WAVE_NUMBER_RANGE_RAD_M)?;
-    }
-    within("--slope-x", &[args.slope_x], [-STEEPEST, STEEPEST])?;
-    within("--slope-y", &[args.slope_y], [-STEEPEST, STEEPEST])?;
+    args.check()?;
     let waters = args.water.waters();
     let media = args.water.permittivities(&args.carrier_hz, &waters)?;
     let winds = args.wind.winds(0.0)?;
@@ -220,14 +250,15 @@ fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Writ
     ]
     .map(str::to_owned)
     .into();
-    for part in ["sigma0", "spm", "go"] {
+    let with_breaking = args.breaking.then_some("breaking");
+    for part in ["sigma0", "spm", "go"].into_iter().chain(with_breaking) {
         columns.extend(["hh", "hv", "vh", "vv"].map(|channel| format!("{part}_{channel}_db")));
     }
     csv::header(out, &columns)?;
     for &(carrier_hz, water, permittivity) in &media {
         for (wind, spectrum) in winds.iter().zip(&spectra) {
             for &aspect_deg in &angles.aspect {
-                let (cos, sin) = cos_sin(aspect_deg);
+                let (cos, sin) = cos_sin_of_degrees(aspect_deg);
                 let medium = Medium {
                     carrier_hz,
                     permittivity,
@@ -238,10 +269,15 @@ fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Writ
                     axis: DVec3::X,
                 };
                 // The spectrum's own axis is downwind.
-                let psi = |kx: f64, ky: f64| {
-                    spectrum.symmetric_m4(WaveVector::new(cos * kx + sin * ky, cos * ky - sin * kx))
-                };
-                let sea = TwoScale::new(settings, medium, kind, psi);
+                let turned = |kx: f64, ky: f64| WaveVector::new(cos * kx + sin * ky, cos * ky - sin * kx);
+                let psi = |kx: f64, ky: f64| spectrum.symmetric_m4(turned(kx, ky));
+                let mut sea = TwoScale::new(settings, medium, kind, psi);
+                if args.modulated {
+                    let usual = of_bragg_waves_per_s(medium.wavenumber_radpm(), wind.ustar_wu_mps);
+                    let rate_per_s = args.relaxation_per_s.unwrap_or(usual);
+                    let wave_psi = |kx: f64, ky: f64| spectrum.wave_m4(turned(kx, ky));
+                    sea = sea.modulated(wave_psi, Dispersion::default(), rate_per_s);
+                }
                 let parameters =
                     [carrier_hz, water.temperature_c, water.salinity_gpkg, wind.u10_mps, aspect_deg];
                 for &incidence_deg in &angles.incidence {
@@ -255,9 +291,17 @@ fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Writ
                             let response = sea.response(&path, (args.slope_x, args.slope_y), 1.0);
                             let mut cells: Vec<Cell> = parameters.map(Cell::Given).into();
                             cells.extend([incidence_deg, scattering_deg, azimuth_deg].map(Cell::Given));
-                            let parts =
-                                [response.sigma0(), response.bragg_sigma0(), response.specular_sigma0()];
-                            for [[vv, vh], [hv, hh]] in parts {
+                            let broken = with_breaking.map(|_| {
+                                breaking::sigma0(permittivity, &path, medium.downwind_rad, wind.u10_mps)
+                            });
+                            let mut all = response.sigma0();
+                            for (all, broken) in
+                                all.as_flattened_mut().iter_mut().zip(broken.iter().flatten().flatten())
+                            {
+                                *all += broken;
+                            }
+                            let parts = [all, response.bragg_sigma0(), response.specular_sigma0()];
+                            for [[vv, vh], [hv, hh]] in parts.into_iter().chain(broken) {
                                 cells.extend([hh, hv, vh, vv].map(Cell::Decibels));
                             }
                             csv::row(out, &cells)?;
@@ -272,9 +316,9 @@ fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Writ
 
 /// The path whose direction of incidence is that of +x.
 fn path(incidence_deg: f64, scattering_deg: f64, azimuth_deg: f64) -> Path {
-    let (cos_i, sin_i) = cos_sin(incidence_deg);
-    let (cos_s, sin_s) = cos_sin(scattering_deg);
-    let (cos_d, sin_d) = cos_sin(azimuth_deg);
+    let (cos_i, sin_i) = cos_sin_of_degrees(incidence_deg);
+    let (cos_s, sin_s) = cos_sin_of_degrees(scattering_deg);
+    let (cos_d, sin_d) = cos_sin_of_degrees(azimuth_deg);
     Path::new(DVec3::new(sin_i, 0.0, -cos_i), DVec3::new(sin_s * cos_d, sin_s * sin_d, cos_s))
 }
 

@@ -4,13 +4,13 @@ use std::io::Write;
 
 use clap::Args;
 
-use super::cos_sin;
 use super::csv::{self, Cell};
 use super::sea_keys::WaterKeys;
 use super::sweep::{AngleSweep, FrequencySweep, Usual};
 use crate::cli::error::CliError;
 use crate::cli::values::within;
 use crate::scattering::fresnel::reflection;
+use crate::units::cos_sin_of_degrees;
 
 /// `nereus table permittivity`
 #[derive(Debug, Args)]
@@ -72,7 +72,7 @@ pub(super) fn fresnel(args: &TableFresnelArgs, out: &mut dyn Write) -> Result<()
     let mut table = csv::Table::new(out);
     for (carrier_hz, water, permittivity) in media {
         for &angle_deg in &angles_deg {
-            let found = reflection(permittivity, cos_sin(angle_deg).0);
+            let found = reflection(permittivity, cos_sin_of_degrees(angle_deg).0);
             table.row(&[
                 ("carrier_hz", Cell::Given(carrier_hz)),
                 ("temperature_c", Cell::Given(water.temperature_c)),

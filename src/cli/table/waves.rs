@@ -5,7 +5,6 @@ use std::io::Write;
 
 use clap::Args;
 
-use super::cos_sin;
 use super::csv::{self, Cell};
 use super::sea_keys::{SpectrumKeys, WindKeys};
 use super::sweep::{AngleSweep, SpeedSweep, Usual, WaveNumberSweep};
@@ -14,6 +13,7 @@ use crate::cli::values::within;
 use crate::scattering::slope_pdf::MeanSquareSlope;
 use crate::sea::spectrum::moments::Moments;
 use crate::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, WaveVector};
+use crate::units::cos_sin_of_degrees;
 
 /// Wave numbers that may be asked for, rad/m: the longest is longer than any ocean.
 pub(super) const WAVE_NUMBER_RANGE_RAD_M: [f64; 2] = [1e-9, MAX_WAVE_NUMBER_RAD_M];
@@ -94,7 +94,7 @@ pub(super) fn spreading(args: &TableSpreadingArgs, out: &mut dyn Write) -> Resul
     for (wind, sea) in winds.iter().zip(&seas) {
         for &k in &args.k_rad_m {
             for &azimuth_deg in &azimuths_deg {
-                let (cos, sin) = cos_sin(azimuth_deg);
+                let (cos, sin) = cos_sin_of_degrees(azimuth_deg);
                 let wave = WaveVector::new(k * cos, k * sin);
                 table.row(&[
                     ("u10_mps", Cell::Given(wind.u10_mps)),

@@ -264,6 +264,7 @@ pub static TABLES: &[&Table] = &[
     &shadow::TABLE,
     &swell::TABLE,
     &slick::TABLE,
+    &land::TABLE,
     &ship::TABLE,
     &ais::TABLE,
     &turbulent::TABLE,

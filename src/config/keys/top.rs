@@ -12,6 +12,7 @@ tables! {
         SEA "sea", Section(&sea::TABLE), Means("no sea: targets alone"), "The sea, on the patch of [scene].";
         SWELL "swell", Sections(&swell::TABLE), Means("none"), "Swell trains, with [sea].";
         SLICK "slick", Sections(&slick::TABLE), Means("none"), "Films on the water, with [sea].";
+        LAND "land", Section(&land::TABLE), Means("none"), "Land on the patch, with [sea].";
         SHIP "ship", Sections(&ship::TABLE), Means("none"), "Ships under way, with [sea].";
         AIS "ais", Sections(&ais::TABLE), Means("none"), "Ships of a recorded AIS log, with [sea].";
         TARGET "target", Sections(&target::TABLE), Means("none"), "Point targets.";

@@ -19,7 +19,13 @@ tables! {
         BAND_LIMIT_RADPM "band_limit_radpm", above("rad/m", 0.0, 1e6), Means("0.7 pi / facet_m"), "With wake: wave number above which its waves are left out.";
         WAKE_BRAGG "wake_bragg", Kind::Flag, Means("true below a carrier of 6 GHz"), "With wake: whether its waves above the band limit scatter by Bragg within facets, in a narrow V about its track.";
         TURBULENT "turbulent", Switched(&turbulent::TABLE), Flag(true), "Its turbulent wake, in which small waves are damped.";
-        ECHO "echo", Kind::Flag, Flag(false), "Whether the scatterers of its hull's file return an echo.";
+        ECHO "echo", Kind::Flag, Flag(false), "Whether it returns an echo: of the scatterers of its hull's file, or else of its mesh.";
+        MESH "mesh", Kind::Flag, Means("true unless the hull's file has scatterers"), "With echo: whether hull and superstructure return it by physical optics, panel by panel.";
+        SUPERSTRUCTURE "superstructure", FileOr("none"), Means("\"none\""), "With a mesh: what stands on the hull, triangles of an .obj or .stl file in metres, x forward of midship, y to port, z up from the waterline; scaled with the hull.";
+        FREEBOARD_M "freeboard_m", above("m", 0.0, 100.0), Means("a twentieth of the length"), "With a mesh: height of the deck above the waterline, up to which the sides of the hull rise.";
+        PANEL_M "panel_m", number("m", 0.05, 100.0), default(1.0), "With a mesh: longest edge of a panel; at most 100000 panels a ship.";
+        MOTION "motion", Choice(&["level", "waves"]), Word("level"), "With a mesh: whether it rides level, or heaves, pitches and rolls with the waves of [sea] by the response of a box of its length, beam, draught and block coefficient.";
+        ROLL_PERIOD_S "roll_period_s", number("s", 0.5, 60.0), Means("2 C B / sqrt(GM) with GM = 0.07 B and C = 0.373 + 0.023 B/T - 0.00043 L, 0.3 at least (beam B, draught T, length L in m)"), "motion = \"waves\": its natural period of roll.";
     }
     ais "[[ais]]" "Ships of a recorded AIS log, named mmsi-<number>: each sails straight on with the course and speed of its report nearest to the start. A log is a CSV with the columns Time (UTC), MMSI, Latitude_degrees, Longitude_degrees, COG_degrees, SOG_knots, and if it has them Length_metres, Beam_metres, Draught_metres. Needs an origin." {
         LOG "log", File, Required, "The log.";

@@ -17,6 +17,7 @@ tables! {
         SPREADING_EXPONENT "spreading_exponent", number("", 0.0, 1000.0), Required, "spreading = \"constant\": the exponent s.";
         SPECTRUM_PATH "spectrum_path", File, Required, "measured: CSV with the columns kx_rad_m,ky_rad_m,psi_m4 on a regular grid, K in the direction of travel.";
         SPECTRUM_TAIL "spectrum_tail", Choice(&["elfouhaily", "none"]), Word("elfouhaily"), "measured: the waves beyond the last wave number of the file: Elfouhaily's of this wind, joined to it, or none (a file without Bragg waves is then a sea without Bragg echo).";
+        WAVES "waves", Choice(&["linear", "choppy"]), Word("linear"), "Shape of the waves of the map: crests and troughs alike, or to second order in their steepness, crests sharper and higher than troughs, with facets that crowd on them. choppy is of deep water, and of facets that follow the horizontal motion.";
         CAPILLARY "capillary", Kind::Flag, Flag(false), "Whether surface tension speeds up short waves.";
         DEPTH_M "depth_m", number("m", 0.1, 1e5), Means("deep water"), "Depth of the water, for the speed of the waves.";
         TEMPERATURE_C "temperature_c", number("C", -2.0, 34.0), default(20.0), "Temperature of the water; klein-swift holds from 0 to 30.";
@@ -34,9 +35,12 @@ tables! {
         TILT_AVERAGE "tilt_average", Kind::Flag, Means("true; false for mars2007"), "consistent: whether the Bragg part averages over tilts within a facet, so that what the sea returns does not depend on the size of facets. Nine Bragg waves a facet instead of one.";
         LIGHT_WIND "light_wind", Choice(&["threshold", "published"]), Word("threshold"), "Bragg waves in light wind: none below the wind that sustains them against viscosity and never fewer in more wind, or those of the spectrum as published, of which a weak wind has more than a fresh one.";
         GRAM_CHARLIER "gram_charlier", Kind::Flag, Flag(false), "Whether slope densities have the skewness and peakedness of Cox and Munk.";
-        BRAGG "bragg", Choice(&["frozen", "travelling"]), Word("frozen"), "Bragg waves within a facet: at rest on it, so that its Doppler is that of the resolved waves alone, or travelling: lines at plus and minus their frequency, weighted by the spectrum along and against the line of sight, as wide as the waves between facet and Bragg wave make them.";
+        BRAGG "bragg", Choice(&["frozen", "travelling"]), Means("\"travelling\"; \"frozen\" with phases = \"single\""), "Bragg waves within a facet: at rest on it, so that its Doppler is that of the resolved waves alone, or travelling: lines at plus and minus their frequency, weighted by the spectrum along and against the line of sight, as wide as the waves between facet and Bragg wave make them.";
         DRIFT_SHARE "drift_share", number("", 0.0, 0.1), default(0.03), "bragg = \"travelling\": speed at which the water's surface drifts over the speed of the wind at 10 m; 0 for none.";
         DRIFT_DEG "drift_deg", number("deg", -180.0, 180.0), default(0.0), "bragg = \"travelling\": direction of the drift, counter-clockwise from that in which the wind blows; Ekman's is -45 in the northern hemisphere, 45 in the southern.";
+        BREAKING "breaking", Choice(&["off", "whitecaps"]), Word("off"), "Breaking waves: none, or spikes on steep crests that cover as much of the sea as whitecaps do in this wind (Monahan and O'Muircheartaigh 1980), each a point that runs downwind for 0.1 to 1 s.";
+        MODULATION "modulation", Choice(&["off", "relaxation"]), Word("off"), "Whether long waves modulate the Bragg waves: all facets equally rough, or rougher where the surface contracts, by the relaxation-rate model; the sea then returns more upwind than downwind.";
+        RELAXATION_PER_S "relaxation_per_s", number("1/s", 0.01, 1000.0), Means("the growth rate of the Bragg waves seen at 45 degrees (Plant 1982)"), "modulation = \"relaxation\": rate at which Bragg waves return to their equilibrium with the wind.";
         DECORRELATION_MS "decorrelation_ms", above("ms", 0.0, 1e9), Means("never; with bragg = \"travelling\" what the waves within a facet give"), "Time in which a facet forgets its random phase.";
         DISPLACEMENT "displacement", Kind::Flag, Flag(true), "Whether facets follow the horizontal orbital motion of the waves; false: they move up and down only.";
     }
@@ -66,5 +70,13 @@ tables! {
         RIM_M "rim_m", number("m", 0.0, 1e5), Means("one facet"), "Width over which the film thins out across its outline.";
         COVER "cover", number("", 0.0, 1.0), default(1.0), "Share of the water covered inside.";
         ELASTICITY_NPM "elasticity_npm", number("N/m", 0.0, 1.0), default(0.0255), "Dilational elasticity of the film; 0.0255 is oleyl alcohol.";
+    }
+    land "[land]" "Land on the patch, wherever a raster of heights rises above the sea: constant-gamma clutter at rest, which hides what lies behind it. With [sea] and an origin." {
+        DEM "dem", File, Required, "GeoTIFF of heights that covers the patch: one band, north up, EPSG 4326, 4258, 4979 or UTM (326xx, 327xx, 258xx). Cells without data are sea.";
+        SEA_LEVEL_M "sea_level_m", number("m", -1000.0, 9000.0), default(0.0), "Height of mean sea level in the raster's vertical datum.";
+        TERRAIN "terrain", Choice(&["flat", "farmland", "rolling-hills", "wooded-hills", "urban", "mountains"]), Word("farmland"), "Kind of terrain, for its gamma at 10 GHz: -20, -15, -12, -10, -5, -5 dB; 5 dB more for ten times the frequency.";
+        GAMMA_DB "gamma_db", number("dB", -60.0, 20.0), Means("that of terrain"), "Normalised cross section over the sine of the local grazing angle, VV.";
+        HH_OVER_VV_DB "hh_over_vv_db", number("dB", -20.0, 20.0), default(0.0), "HH over VV.";
+        CROSS_OVER_VV_DB "cross_over_vv_db", number("dB", -60.0, 0.0), default(-8.0), "HV and VH over VV.";
     }
 }

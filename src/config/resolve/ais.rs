@@ -224,5 +224,7 @@ fn ship(
         kelvin: choice.kelvin,
         turbulent: choice.turbulent,
         echo: false,
+        mesh: Default::default(),
+        panels: Default::default(),
     })
 }

@@ -9,6 +9,7 @@ mod calibration;
 mod clock;
 mod errors;
 mod event;
+mod land;
 mod nav_out;
 mod patch;
 mod place;

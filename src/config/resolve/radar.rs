@@ -9,9 +9,11 @@ use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::scalars::{polarisation, polarisation_pair};
 use crate::config::section::Section;
+use crate::radar::rain::{CARRIERS_HZ, RAYLEIGH_TO_HZ};
 use crate::scene::calibration::Calibration;
 use crate::scene::radar::{
-    Adc, Channel, Gate, Polarisation, Radar, Receiver, Sweep, Transmitter, TxPolarisation, Waveform, Window,
+    Adc, Channel, Gate, Polarisation, Radar, RainClutter, Receiver, Sweep, Transmitter, TxPolarisation,
+    Waveform, Window,
 };
 use crate::time::PulseTimes;
 
@@ -62,6 +64,16 @@ pub(super) fn radar(
     let tx_polarisation = tx_polarisation(&section, channels.as_deref());
     let losses_db = section.number(&k::LOSSES_DB);
     let atmosphere_db_per_km = section.number(&k::ATMOSPHERE_DB_PER_KM);
+    let rain_mmph = section.number(&k::RAIN_MMPH);
+    if let Some(carrier_hz) = carrier_hz
+        && rain_mmph.is_some_and(|rain_mmph| rain_mmph > 0.0)
+        && !(CARRIERS_HZ[0]..=CARRIERS_HZ[1]).contains(&carrier_hz)
+    {
+        let found = format!("radar.carrier_hz = {} Hz", keys::figure(carrier_hz));
+        let allowed = "1e9 to 1e12 Hz, or rain_mmph = 0".to_owned();
+        section.fault(&k::RAIN_MMPH, Problem::BeyondModel { model: "ITU-R P.838-3", found, allowed });
+    }
+    let rain_clutter = rain_clutter(&section, carrier_hz, rain_mmph);
     let noise_figure_db = section.number(&k::NOISE_FIGURE_DB);
     let has_adc = section.has(&k::ADC);
     let adc = section.section(&k::ADC).and_then(adc);
@@ -97,6 +109,8 @@ pub(super) fn radar(
         window: window?,
         losses_db: losses_db?,
         atmosphere_db_per_km: atmosphere_db_per_km?,
+        rain_mmph: rain_mmph?,
+        rain_clutter: rain_clutter?,
         noise_figure_db,
         adc: if has_adc { Some(adc?) } else { None },
         direct_path: direct_path?,
@@ -104,6 +118,30 @@ pub(super) fn radar(
         receivers: receivers.into_iter().collect::<Option<_>>()?,
         channels: channels?,
     })
+}
+
+/// The echo of rain: `Some(None)` where none is asked for.
+fn rain_clutter(
+    section: &Section<'_>,
+    carrier_hz: Option<f64>,
+    rain_mmph: Option<f64>,
+) -> Option<Option<RainClutter>> {
+    use keys::radar::{RAIN_CLUTTER, RAIN_SPREAD_MPS, RAIN_TOP_M};
+    let asked = section.flag(&RAIN_CLUTTER);
+    let (top_m, spread_mps) = (section.number(&RAIN_TOP_M), section.number(&RAIN_SPREAD_MPS));
+    if !asked? {
+        section.idle(&[&RAIN_TOP_M, &RAIN_SPREAD_MPS], "rain_clutter = false");
+        return Some(None);
+    }
+    if rain_mmph == Some(0.0) {
+        section.fault(&RAIN_CLUTTER, Problem::Idle { when: "rain_mmph = 0".to_owned() });
+    }
+    if let Some(carrier_hz) = carrier_hz.filter(|carrier_hz| *carrier_hz > RAYLEIGH_TO_HZ) {
+        let found = format!("radar.carrier_hz = {} Hz", keys::figure(carrier_hz));
+        let allowed = "up to 20e9 Hz, or rain_clutter = false".to_owned();
+        section.fault(&RAIN_CLUTTER, Problem::BeyondModel { model: "Rayleigh scattering", found, allowed });
+    }
+    Some(Some(RainClutter { top_m: top_m?, spread_mps: spread_mps? }))
 }
 
 /// The name that was just taken.

@@ -1,12 +1,12 @@
 //! The sea: wind, waves, water, and how its facets scatter.
 
-use super::slick;
+use super::{land, slick};
 use crate::config::error::Problem;
 use crate::config::keys::{self, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
 use crate::config::section::Section;
 use crate::scene::sea::{
-    Averaging, BraggWaves, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation,
-    Shadowing, Splitting,
+    Averaging, BraggWaves, Breaking, FacetScattering, LightWinds, Modulation, PatchPlace, Permittivity,
+    Phases, Realisation, Shadowing, Splitting, Waves,
 };
 use crate::scene::water::{
     Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
@@ -16,7 +16,7 @@ use crate::scene::{Patch, Sea, Water};
 /// Time between updates of shadows that is aimed at where none is given, s.
 const UPDATE_S: f64 = 0.02;
 
-/// `[sea]`, `[[swell]]`, `[[slick]]`: `Some(None)` without a sea, `None` where something is faulty.
+/// `[sea]`, `[[swell]]`, `[[slick]]`, `[land]`: `Some(None)` without a sea, `None` where something is faulty.
 pub(super) fn sea(
     root: &Section<'_>,
     patch: Option<Patch>,
@@ -28,6 +28,7 @@ pub(super) fn sea(
     let section = root.section(&keys::root::SEA);
     let swell: Vec<Option<Swell>> = root.sections(&keys::root::SWELL).into_iter().map(swell).collect();
     let slicks = slick::slicks(root, patch.as_ref(), place.as_ref());
+    let land = land::land(root, carrier_hz);
     if !has_sea {
         root.idle(&[&keys::root::SWELL, &keys::root::SLICK], "there is no [sea]");
         return Some(None);
@@ -36,6 +37,7 @@ pub(super) fn sea(
     let wind = wind(&section);
     let spectrum = spectrum(&section);
     let dispersion = dispersion(&section);
+    let waves = waves(&section);
     let permittivity = permittivity(&section, carrier_hz);
     let temperature_c = section.number(&keys::sea::TEMPERATURE_C);
     let salinity_psu = section.number(&keys::sea::SALINITY_PSU);
@@ -43,6 +45,11 @@ pub(super) fn sea(
     let scattering = section
         .section_or_empty(&keys::sea::SCATTERING)
         .and_then(|section| scattering(section, permittivity));
+    if waves == Some(Waves::Choppy) && scattering.is_some_and(|scattering| !scattering.displacement) {
+        let error = "crests are sharp because facets follow the horizontal motion; allowed: waves = \"linear\", or \
+                     scattering.displacement = true";
+        section.fault(&keys::sea::WAVES, Problem::Refused { error: error.to_owned() });
+    }
     let shadow = section.section_or_empty(&keys::sea::SHADOW).and_then(|section| shadow(section, pri_s));
     section.finish();
     let water = Water {
@@ -58,9 +65,11 @@ pub(super) fn sea(
         realisation: realisation?,
         patch: patch?,
         place: place?,
+        waves: waves?,
         scattering: scattering?,
         shadow: shadow?,
         slicks: slicks?,
+        land: land?,
     }))
 }
 
@@ -191,6 +200,16 @@ fn dispersion(section: &Section<'_>) -> Option<Dispersion> {
     Some(Dispersion { capillary: capillary?, depth_m })
 }
 
+/// Whether waves are choppy, which takes deep water.
+fn waves(section: &Section<'_>) -> Option<Waves> {
+    use keys::sea::{DEPTH_M, WAVES};
+    if section.choice(&WAVES)? == "linear" {
+        return Some(Waves::Linear);
+    }
+    section.idle(&[&DEPTH_M], "waves = \"choppy\": those of second order are known for deep water");
+    Some(Waves::Choppy)
+}
+
 fn permittivity(section: &Section<'_>, carrier_hz: Option<f64>) -> Option<Permittivity> {
     use keys::sea::{PERMITTIVITY, SALINITY_PSU, TEMPERATURE_C};
     let (model, range) = match section.choice(&PERMITTIVITY)? {
@@ -229,19 +248,28 @@ fn realisation(section: &Section<'_>) -> Option<Realisation> {
 
 fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Option<FacetScattering> {
     use keys::scattering::{
-        BRAGG, CUT_RADPM, DECORRELATION_MS, DISPLACEMENT, DRIFT_DEG, DRIFT_SHARE, GRAM_CHARLIER, LIGHT_WIND,
-        PHASES, SPLITTING, TILT_AVERAGE,
+        BRAGG, BREAKING, CUT_RADPM, DECORRELATION_MS, DISPLACEMENT, DRIFT_DEG, DRIFT_SHARE, GRAM_CHARLIER,
+        LIGHT_WIND, MODULATION, PHASES, RELAXATION_PER_S, SPLITTING, TILT_AVERAGE,
     };
     let splitting = section.choice(&SPLITTING);
     let phases = section.choice(&PHASES);
     let cut_radpm = section.number(&CUT_RADPM);
     let decorrelation_ms = section.number(&DECORRELATION_MS);
     let sound = |key, value: Option<f64>| !section.has(key) || value.is_some();
-    let sound = sound(&CUT_RADPM, cut_radpm) && sound(&DECORRELATION_MS, decorrelation_ms);
-    let bragg = section.choice(&BRAGG);
+    let relaxation_per_s = section.number(&RELAXATION_PER_S);
+    let sound = sound(&CUT_RADPM, cut_radpm)
+        && sound(&DECORRELATION_MS, decorrelation_ms)
+        && sound(&RELAXATION_PER_S, relaxation_per_s);
+    let modulation = section.choice(&MODULATION);
+    if modulation == Some("off") {
+        section.idle(&[&RELAXATION_PER_S], "modulation = \"off\"");
+    }
+    // One phase cannot turn with two lines.
+    let bragg = section.choice_or(&BRAGG, if phases == Some("single") { "frozen" } else { "travelling" });
     let [drift_share, drift_deg] = [&DRIFT_SHARE, &DRIFT_DEG].map(|key| section.number(key));
     if bragg == Some("frozen") {
-        section.idle(&[&DRIFT_SHARE, &DRIFT_DEG], "bragg = \"frozen\"");
+        let why = if section.has(&BRAGG) { "bragg = \"frozen\"" } else { "phases = \"single\"" };
+        section.idle(&[&DRIFT_SHARE, &DRIFT_DEG], why);
     }
     if bragg == Some("travelling") && phases == Some("single") {
         section.idle(
@@ -249,6 +277,7 @@ fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Optio
             "phases = \"single\": one phase for waves of both lines; set phases = \"polcoherent\"",
         );
     }
+    let breaking = section.choice(&BREAKING);
     let light_wind = section.choice(&LIGHT_WIND);
     let [gram_charlier, displacement] = [&GRAM_CHARLIER, &DISPLACEMENT].map(|key| section.flag(key));
     // The paper's slope density already holds the tilts.
@@ -273,6 +302,11 @@ fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Optio
                 BraggWaves::Travelling { drift_share: drift_share?, drift_turn_rad: drift_deg?.to_radians() }
             }
             _ => BraggWaves::Frozen,
+        },
+        breaking: if breaking? == "whitecaps" { Breaking::Whitecaps } else { Breaking::Off },
+        modulation: match modulation? {
+            "relaxation" => Modulation::Relaxation { rate_per_s: relaxation_per_s },
+            _ => Modulation::Off,
         },
         decorrelation_s: decorrelation_ms.map(|ms| ms / 1e3),
         displacement: displacement?,

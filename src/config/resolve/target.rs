@@ -17,9 +17,15 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
     let mut names = Names::new("target");
     let mut targets = Vec::new();
     let mut sound = true;
+    let choppy = root.has_word_in(&keys::root::SEA, &keys::sea::WAVES, "choppy");
     for (index, section) in root.sections(&keys::root::TARGET).into_iter().enumerate() {
         name(&section, &keys::target::NAME, &format!("target-{index}"), &mut names);
-        match target(section, root.has(&keys::root::SEA), names.names.last().cloned().flatten(), ground) {
+        match target(
+            section,
+            (root.has(&keys::root::SEA), choppy),
+            names.names.last().cloned().flatten(),
+            ground,
+        ) {
             Some(target) => targets.push(target),
             None => sound = false,
         }
@@ -69,7 +75,7 @@ pub(super) fn name(section: &Section<'_>, key: &'static Key, default: &str, name
     names.names.push(Some(default.to_owned()));
 }
 
-fn target(section: Section<'_>, sea: bool, name: Option<String>, ground: &Ground) -> Option<Target> {
+fn target(section: Section<'_>, sea: (bool, bool), name: Option<String>, ground: &Ground) -> Option<Target> {
     use keys::target as k;
     let surface = SurfaceKeys {
         position_m: &k::POSITION_M,
@@ -87,7 +93,7 @@ fn target(section: Section<'_>, sea: bool, name: Option<String>, ground: &Ground
     let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
     let floating = floating(&section, sea, velocity);
     let multipath = section.flag(&k::MULTIPATH);
-    if multipath == Some(true) && !sea {
+    if multipath == Some(true) && !sea.0 {
         section.fault(&k::MULTIPATH, Problem::Idle { when: "there is no [sea] that reflects".to_owned() });
     }
     section.finish();
@@ -127,8 +133,12 @@ fn aspect(section: &Section<'_>, velocity: Option<Vector<Enu>>) -> Option<Option
     Some(Some(Aspect { path: path?, heading_rad, floor_dbsm: floor_dbsm? }))
 }
 
-/// How it floats, if it does.
-fn floating(section: &Section<'_>, sea: bool, velocity: Option<Vector<Enu>>) -> Option<Option<Floating>> {
+/// How it floats, if it does, where there is a sea, and whether that is choppy.
+fn floating(
+    section: &Section<'_>,
+    (sea, choppy): (bool, bool),
+    velocity: Option<Vector<Enu>>,
+) -> Option<Option<Floating>> {
     use keys::target::{FLOATING, VELOCITY_MPS, WATERLINE_M};
     let (floats, waterline_m) = (section.flag(&FLOATING), section.number(&WATERLINE_M));
     if !floats? {
@@ -139,6 +149,11 @@ fn floating(section: &Section<'_>, sea: bool, velocity: Option<Vector<Enu>>) -> 
     }
     if !sea {
         section.fault(&FLOATING, Problem::Idle { when: "there is no [sea] to float on".to_owned() });
+    }
+    if choppy {
+        let error = "a floating target rides on linear waves, apart from the choppy ones around it; allowed: \
+                     sea.waves = \"linear\", or floating = false";
+        section.fault(&FLOATING, Problem::Refused { error: error.to_owned() });
     }
     if velocity.is_some_and(|velocity| velocity.to_array()[2] != 0.0) {
         let error = "a floating target rises with the sea alone; allowed: [east, north, 0]".to_owned();

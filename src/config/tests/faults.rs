@@ -136,6 +136,20 @@ target.1.multipath: has no meaning here (there is no [sea] that reflects)
     insta::assert_snapshot!(faults_of(&[patch[0], patch[1], sea, ("target", &format!("[{target}]"))]), @"target.0.velocity_mps: a floating target rises with the sea alone; allowed: [east, north, 0]");
     let many = format!("[{}]", vec![target.replace("0, 1]", "0, 0]"); 65].join(", "));
     insta::assert_snapshot!(faults_of(&[patch[0], patch[1], sea, ("target", &many)]), @"65 targets that float; allowed: at most 64");
+    let choppy =
+        ("sea", "{ wind_mps = 8.0, wind_height_m = 10.0, wind_towards_deg = 0.0, waves = 'choppy' }");
+    let target = target.replace("0, 1], rcs", "0, 0], rcs");
+    insta::assert_snapshot!(faults_of(&[patch[0], patch[1], choppy, ("target", &format!("[{target}]"))]), @r#"target.0.floating: a floating target rides on linear waves, apart from the choppy ones around it; allowed: sea.waves = "linear", or floating = false"#);
+    let choppy = (
+        "sea",
+        "{ wind_mps = 8.0, wind_towards_deg = 0.0, waves = 'choppy', depth_m = 20, scattering = { displacement = false } }",
+    );
+    insta::assert_snapshot!(faults_of(&[patch[0], patch[1], choppy]), @r#"
+sea.depth_m: has no meaning here (waves = "choppy": those of second order are known for deep water)
+sea.waves: crests are sharp because facets follow the horizontal motion; allowed: waves = "linear", or scattering.displacement = true
+"#);
+    let wrong = ("sea", "{ wind_mps = 8.0, wind_towards_deg = 0.0, waves = 'chopy' }");
+    insta::assert_snapshot!(faults_of(&[patch[0], patch[1], wrong]), @r#"sea.waves: "chopy" is not allowed; allowed: "linear", "choppy""#);
 }
 
 #[test]

@@ -7,8 +7,8 @@ use super::*;
 use crate::scattering::permittivity::Model;
 use crate::scene::radar::{Sweep, Waveform};
 use crate::scene::sea::{
-    Averaging, BraggWaves, FacetScattering, LightWinds, PatchPlace, Permittivity, Phases, Realisation,
-    Shadowing, SlickShape, Splitting,
+    Averaging, BraggWaves, Breaking, FacetScattering, LightWinds, Modulation, PatchPlace, Permittivity,
+    Phases, Realisation, Shadowing, SlickShape, Splitting, Waves,
 };
 use crate::scene::ship::HullGiven;
 use crate::scene::water::{
@@ -26,6 +26,7 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
     let beside = "{ kind = 'beside', platform = 'aircraft', across_m = 3000 }";
     vec![
         (SEA, vec![]),
+        (SEA, vec![("land", "{ dem = 'README.md' }")]),
         (SEA, vec![("scene.patch", "follow"), ("scene.patch_follow", beside)]),
         (
             SEA,
@@ -187,6 +188,8 @@ fn every_setting_arrives() {
         gram_charlier: true,
         phases: Phases::Single,
         bragg: BraggWaves::Frozen,
+        breaking: Breaking::Off,
+        modulation: Modulation::Off,
         decorrelation_s: Some(0.008),
         displacement: false,
     };
@@ -201,6 +204,16 @@ fn every_setting_arrives() {
     assert_eq!(
         bragg(&[travelling, ("sea.scattering.drift_share", "0"), ("sea.scattering.drift_deg", "-90")]),
         BraggWaves::Travelling { drift_share: 0.0, drift_turn_rad: -std::f64::consts::FRAC_PI_2 }
+    );
+    assert_eq!(sea_of(&[]).waves, Waves::Linear);
+    assert_eq!(sea_of(&[("sea.waves", "choppy")]).waves, Waves::Choppy);
+    let modulation = |list: &[(&str, &str)]| sea_of(list).scattering.modulation;
+    let relaxation = ("sea.scattering.modulation", "relaxation");
+    assert_eq!(modulation(&[]), Modulation::Off);
+    assert_eq!(modulation(&[relaxation]), Modulation::Relaxation { rate_per_s: None });
+    assert_eq!(
+        modulation(&[relaxation, ("sea.scattering.relaxation_per_s", "0.5")]),
+        Modulation::Relaxation { rate_per_s: Some(0.5) }
     );
     assert!(!sea_of(&[("sea.scattering.tilt_average", "false")]).scattering.tilt_average);
     assert!(!sea_of(&[("sea.scattering.splitting", "mars2007")]).scattering.tilt_average);
@@ -369,12 +382,16 @@ sea.scattering.cut_radpm: 0 is out of range; allowed: a number above 0, up to 1e
 sea.scattering.decorrelation_ms: -3 is out of range; allowed: a number above 0, up to 1e9 ms
 sea.scattering.phase: unknown key; did you mean phases?
 "#);
-    insta::assert_snapshot!(faults(&[("sea.scattering.drift_share", "0.02"), ("sea.scattering.drift_deg", "200")]), @r#"
+    insta::assert_snapshot!(faults(&[("sea.scattering.bragg", "frozen"), ("sea.scattering.drift_share", "0.02"), ("sea.scattering.drift_deg", "200")]), @r#"
 sea.scattering.drift_deg: 200 is out of range; allowed: a number from -180 to 180 deg
 sea.scattering.drift_share: has no meaning here (bragg = "frozen")
 sea.scattering.drift_deg: has no meaning here (bragg = "frozen")
 "#);
     insta::assert_snapshot!(faults(&[("sea.scattering.bragg", "travelling"), ("sea.scattering.phases", "single")]), @r#"sea.scattering.bragg: has no meaning here (phases = "single": one phase for waves of both lines; set phases = "polcoherent")"#);
+    insta::assert_snapshot!(faults(&[("sea.scattering.relaxation_per_s", "0")]), @r#"
+sea.scattering.relaxation_per_s: 0 is out of range; allowed: a number from 0.01 to 1000 1/s
+sea.scattering.relaxation_per_s: has no meaning here (modulation = "off")
+"#);
     insta::assert_snapshot!(faults(&[("sea.scattering.splitting", "mars2007"), ("sea.scattering.tilt_average", "true")]), @r#"sea.scattering.tilt_average: has no meaning here (splitting = "mars2007")"#);
     insta::assert_snapshot!(faults(&[("sea.shadow.edge", "sharp"), ("sea.shadow.width_rad", "0.1"), ("sea.shadow.rays_per_facet", "0"), ("sea.shadow.update_ms", "0")]), @r#"
 sea.shadow.width_rad: has no meaning here (edge = "sharp")
@@ -563,4 +580,16 @@ proptest! {
             Err(error) => prop_assert!(!error.faults().is_empty()),
         }
     }
+}
+
+#[test]
+fn land_needs_a_sea_and_one_gamma() {
+    let said = |overrides: &[(&str, &str)]| {
+        let error = parse(SEA, &in_configs(), &settings(overrides)).unwrap_err();
+        error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
+    };
+    let both = said(&[("land", "{ dem = 'README.md', gamma_db = -12, terrain = 'urban' }")]);
+    assert!(both.contains("land.terrain") && both.contains("beside gamma_db"), "{both}");
+    let rain = said(&[("radar.carrier_hz", "400e6"), ("radar.rain_mmph", "5")]);
+    assert!(rain.contains("radar.rain_mmph") && rain.contains("ITU-R P.838-3"), "{rain}");
 }

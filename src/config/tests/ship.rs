@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::scene::Ship;
 use crate::scene::hull::LENGTH_RANGE_M;
-use crate::scene::ship::{HullGiven, KelvinWake, TurbulentWake};
+use crate::scene::ship::{HullGiven, KelvinWake, ShipMotion, TurbulentWake};
 use crate::sea::wake::{kochin, turbulent};
 
 const SEA: &str = include_str!("../../../configs/sea.toml");
@@ -23,6 +23,14 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
             )],
         ),
         (SEA, vec![("ship", "[{ hull = 'README.md', lat_deg = 1, lon_deg = 2, towards_deg = 3 }]")]),
+        (
+            SEA,
+            vec![(
+                "ship",
+                "[{ hull = 'README.md', position_m = [0, 0], heading_deg = 0, speed_mps = 5, echo = true, \
+                 mesh = true, superstructure = 'README.md', freeboard_m = 4, panel_m = 2, motion = 'waves', roll_period_s = 9 }]",
+            )],
+        ),
     ]
 }
 
@@ -64,6 +72,8 @@ fn defaults_are_those_of_the_descriptions() {
         kelvin: Some(KelvinWake::default()),
         turbulent: Some(TurbulentWake::default()),
         echo: false,
+        mesh: Default::default(),
+        panels: Default::default(),
     };
     assert_eq!(found, expected);
 }
@@ -134,6 +144,23 @@ ship.1.band_limit_radpm: 0 is out of range; allowed: a number above 0, up to 1e6
 ship.1.heading: unknown key; did you mean heading_deg, in deg?
 "#);
     insta::assert_snapshot!(faults("[{ hull = 'wigley', length_m = 1, beam_m = 0.1, draught_m = 0.1, lat_deg = 1, lon_deg = 2, heading_deg = 0, speed_mps = 1 }]"), @r#"ship.0.lat_deg: a geodetic position needs scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed here: position_m"#);
+}
+
+#[test]
+fn ships_ride_the_waves_where_it_is_asked() {
+    let at = "position_m = [0, 0], heading_deg = 0, speed_mps = 1";
+    let motion = |more: &str| ship(&format!("{WIGLEY}, {at}, {more}")).mesh.motion;
+    assert_eq!(motion("echo = true"), ShipMotion::Level);
+    let waves = |roll_period_s| ShipMotion::Waves { roll_period_s, form: None };
+    assert_eq!(motion("echo = true, motion = 'waves'"), waves(None));
+    assert_eq!(motion("echo = true, motion = 'waves', roll_period_s = 9"), waves(Some(9.0)));
+    let with = |more: &str| faults(&format!("[{{ {WIGLEY}, {at}, {more} }}]"));
+    insta::assert_snapshot!(with("motion = 'waves'"), @"ship.0.motion: has no meaning here (echo = false)");
+    insta::assert_snapshot!(with("echo = true, mesh = false, motion = 'waves'"), @"ship.0.motion: has no meaning here (mesh = false)");
+    insta::assert_snapshot!(with("echo = true, roll_period_s = 9"), @r#"ship.0.roll_period_s: has no meaning here (motion = "level")"#);
+    insta::assert_snapshot!(with("echo = true, motion = 'waves', roll_period_s = 0.4"), @"ship.0.roll_period_s: 0.4 is out of range; allowed: a number from 0.5 to 60 s");
+    insta::assert_snapshot!(with("echo = true, motion = 'heave'"), @r#"ship.0.motion: "heave" is not allowed; allowed: "level", "waves""#);
+    insta::assert_snapshot!(with("echo = true, motions = 'waves'"), @"ship.0.motions: unknown key; did you mean motion?");
 }
 
 #[test]

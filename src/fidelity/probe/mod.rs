@@ -39,6 +39,8 @@ mod sweep;
 
 use std::ops::Range;
 
+use num_complex::Complex64;
+
 use super::turning::Cosines;
 use super::worst::{Cells, Sum, deviations_of};
 use crate::cpu::Variant;
@@ -47,6 +49,7 @@ use crate::fidelity::sidelobe::Candidates;
 use crate::geometry::lanes::Row;
 use crate::paths::block::probe::{Keep, SampledTile, Shadows};
 use crate::paths::block::{FEW, Instants, TileWork};
+use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Workspace};
 use crate::radar::fault::RadarError;
 use crate::radar::waveform::Waveform;
@@ -65,6 +68,9 @@ pub const PROFILE: u64 = 48;
 const GROUPS: usize = 6;
 /// Patches up to so many facets are evaluated in more places.
 const SMALL_FACETS: usize = 1 << 15;
+/// Most power of the breaking waves and the rain of a pulse over the most that a few dozen pulses show: they add with random
+/// phases, and come and go.
+const MOST_OF_EXACT: f64 = 2.0;
 /// Longest block, pulses.
 pub const LONGEST: u64 = 64;
 
@@ -234,11 +240,56 @@ impl<'a> ErrorSampler<'a> {
             for (mean, own) in self.power.iter_mut().zip(powers) {
                 *mean += own / count as f64;
             }
-            self.highest.iter_mut().zip(worst).for_each(|(highest, own)| *highest = highest.max(own));
+            let [broken, rain] = self.power_of_exact(index, patch.as_ref())?;
+            for own in [&broken, &rain] {
+                self.power.iter_mut().zip(own).for_each(|(mean, own)| *mean += own / count as f64);
+            }
+            for (((highest, own), broken), rain) in self.highest.iter_mut().zip(worst).zip(broken).zip(rain) {
+                *highest = highest.max(own + MOST_OF_EXACT * (broken + rain));
+            }
         }
         let weight = self.sampled();
         self.power.iter_mut().zip(&self.points.power).for_each(|(mean, own)| *mean += weight * own);
         Ok(strongest)
+    }
+
+    /// Breaking waves of a pulse, seen as its sample is, and its rain.
+    fn exact(&mut self, index: u64, patch: Option<&Patch>) -> Result<[ScattererPaths; 2], RadarError> {
+        let empty = || ScattererPaths::new(self.channels.len(), self.radar.channels.len(), 0);
+        let mut both = [empty(), empty()];
+        let [breakers, rain] = &mut both;
+        if let (Some(patch), Some(tiles), true) =
+            (patch, &mut self.tiles, self.generator.breakers_alive() > 0.0)
+        {
+            self.generator.breakers((index, 0), patch, tiles, &mut self.memory, breakers)?;
+        }
+        self.generator.rain_at(index, &mut self.memory, rain)?;
+        Ok(both)
+    }
+
+    /// Their powers by channel, as those of a sample as small as that of the facets.
+    fn power_of_exact(&mut self, index: u64, patch: Option<&Patch>) -> Result<[Powers; 2], RadarError> {
+        let (both, weight) = (self.exact(index, patch)?, self.sampled());
+        let of = |column: &Vec<Complex64>| weight * column.iter().map(Complex64::norm_sqr).sum::<f64>();
+        Ok(both.map(|paths| paths.amplitude.iter().map(of).collect()))
+    }
+
+    /// Adds the Doppler of the breaking waves and the rain of a pulse to that of facets.
+    fn add_exact_at(&mut self, index: u64, patch: Option<&Patch>) -> Result<(), RadarError> {
+        let (both, weight) = (self.exact(index, patch)?, self.sampled());
+        for (paths, (pair, n)) in both.iter().flat_map(|paths| {
+            let of = |(pair, rates): (usize, &Vec<f64>)| (0..rates.len()).map(move |n| (pair, n));
+            paths.delay_rate.iter().enumerate().flat_map(of).map(move |at| (paths, at))
+        }) {
+            let of = |channel: &usize| paths.amplitude[*channel][n].norm_sqr();
+            let power = weight * self.channels[pair].iter().map(of).sum::<f64>();
+            if power > 0.0 {
+                let rate = paths.delay_rate[pair][n];
+                self.dopplers.push((pair, self.radar.carrier_hz * rate, power));
+                self.fastest = self.fastest.max(rate.abs());
+            }
+        }
+        Ok(())
     }
 
     /// Whether facets turn away from an antenna at a pulse.
@@ -386,6 +437,7 @@ impl<'a> ErrorSampler<'a> {
         let facets: usize = truths.iter().step_by(pairs.max(1)).map(|truth| truth.count).sum();
         means_w.iter_mut().for_each(|mean| *mean /= facets.max(1) as f64);
         self.leave_out(&truths, &means_w);
+        self.add_exact_at(first, patch.as_ref())?;
         self.add_points_at(first)
     }
 

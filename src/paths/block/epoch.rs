@@ -169,6 +169,7 @@ impl View {
 /// The view, and the vectors of both antennas' fields.
 pub(super) struct Sight<'a> {
     pub slopes: &'a [[Row; 2]],
+    pub strains: &'a [[Row; 3]],
     pub nodes: &'a [Node],
     pub weights: &'a [f32],
     /// Transmit, receive.
@@ -200,7 +201,7 @@ impl Task for Sight<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { slopes, nodes, weights, bases, single, view, batch } = self;
+        let Self { slopes, strains, nodes, weights, bases, single, view, batch } = self;
         let n = lanes_for(batch.count);
         let View { incident, scattered, leg_m, delay_s } = view;
         incident.iter_mut().chain(&mut *scattered).chain(&mut *leg_m).for_each(|row| row[..n].fill(0.0));
@@ -225,6 +226,14 @@ impl Task for Sight<'_> {
         for axis in 0..3 {
             batch.incident[axis][..n].copy_from_slice(&incident[axis][..n]);
             batch.scattered[axis][..n].copy_from_slice(&scattered[axis][..n]);
+        }
+        if !strains.is_empty() {
+            batch.strain.iter_mut().for_each(|row| row[..n].fill(0.0));
+        }
+        for (strain, &weight) in strains.iter().zip(weights).take(nodes.len()) {
+            for (to, from) in batch.strain.iter_mut().zip(strain) {
+                add(n, to, from, weight);
+            }
         }
         if !single {
             let Batch { incident, scattered, transmit, receive, .. } = &mut *batch;

@@ -139,6 +139,32 @@ impl Task for Weigh<'_> {
     }
 }
 
+/// Scales of amplitudes times the roots of areas, `sum of weights times rows`.
+pub(super) struct Stretched<'a> {
+    pub count: usize,
+    pub rows: &'a [Row],
+    pub weights: &'a [f32],
+    pub out: &'a mut Row,
+}
+
+impl Task for Stretched<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let n = lanes_for(self.count);
+        let mut area = [0.0f32; LANES];
+        for (row, weight) in self.rows.iter().zip(self.weights) {
+            for i in 0..n {
+                area[i] += weight * row[i];
+            }
+        }
+        for i in 0..n {
+            self.out[i] *= area[i].max(0.0).sqrt();
+        }
+    }
+}
+
 /// Zeroes facets whose cosine is not positive.
 pub(super) struct Turn<'a> {
     pub count: usize,

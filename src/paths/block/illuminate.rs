@@ -3,19 +3,20 @@
 use num_complex::Complex32;
 
 use super::TileWork;
-use super::factor::{Illuminated, Shadowed, Turn, Turns, Weigh};
+use super::factor::{Illuminated, Shadowed, Stretched, Turn, Turns, Weigh};
 use super::gain::{Gains, Sighted, is_real};
 use super::instants::Tier;
 use super::runs::Gather;
 use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
 use super::timing::Timing;
+use super::travelling::Part;
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
 use crate::paths::PathGenerator;
 use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Scale, Sight, Solve, View, port_products};
 use crate::paths::emission::Emission;
-use crate::paths::sea::SeaPlan;
+use crate::paths::sea::{LandPlan, SeaPlan};
 use crate::radar::polarisation::Axes;
 use crate::scattering::facets::Phases;
 use crate::scattering::lanes::{Batch, Beside};
@@ -77,6 +78,12 @@ impl PathGenerator {
                 work.timings.mainlobe.instants.node_count - 1,
             );
             work.slopes.swap(second, last);
+            if !work.strains.is_empty() {
+                work.strains.swap(second, last);
+            }
+            if !work.areas.is_empty() {
+                work.areas.swap(second, last);
+            }
             work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
             ends_known = true;
         }
@@ -106,9 +113,11 @@ impl PathGenerator {
     fn place(&self, patch: &Patch, work: &mut TileWork) {
         let TileWork {
             variant,
+            facet_surface,
             runs,
             phasors,
             part,
+            land,
             batch,
             places_m,
             keys,
@@ -153,6 +162,14 @@ impl PathGenerator {
             variant.run(Gather { runs, from: &column[1], to: &mut row[1] });
         }
         part.choose(batch);
+        land.count = 0;
+        if let Some(sheet) = facet_surface.land() {
+            let from =
+                std::iter::once(sheet.land()).chain(sheet.phasors().as_flattened().iter().map(Vec::as_slice));
+            land.rows_mut().zip(from).for_each(|(to, from)| variant.run(Gather { runs, from, to }));
+            land.land[count..].fill(0.0);
+            land.count = land.land.iter().filter(|land| **land > 0.0).count();
+        }
         let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         seen.resize(shadow_updates.len() * ends, [1.0; LANES]);
         for (row, weights) in
@@ -173,11 +190,14 @@ impl PathGenerator {
         let TileWork {
             variant,
             batch,
+            land,
             places_m,
             keys,
             whole,
             kept,
             slopes,
+            strains,
+            areas,
             gain_rows,
             shadow_updates,
             seen,
@@ -219,6 +239,7 @@ impl PathGenerator {
             }
         }
         slopes.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
+        strains.as_flattened_mut().iter_mut().chain(areas).for_each(|row| compact(row, kept));
         gain_rows
             .iter_mut()
             .flat_map(|rows| &mut rows[..instants])
@@ -227,18 +248,30 @@ impl PathGenerator {
         batch.phasor.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
         places_m.iter_mut().for_each(|row| compact(row, kept));
         compact(keys, kept);
+        if land.count > 0 {
+            land.rows_mut().for_each(|row| compact(row, kept));
+            land.land[kept.len()..].fill(0.0);
+            land.count = land.land.iter().filter(|land| **land > 0.0).count();
+        }
         tile.count = kept.len();
     }
 
     /// Slopes at a node of the tile, and places and paths over every pair.
     fn find_paths(&self, place: usize, work: &mut TileWork) {
         let of_block = work.timing().nodes[place];
-        let TileWork { variant, nodes, runs, places_m, drop_m, fall, slopes, tile, .. } = work;
+        let TileWork { variant, nodes, runs, places_m, drop_m, fall, slopes, strains, areas, tile, .. } =
+            work;
         let node = &nodes[of_block];
         let fields = &node.fields;
         for ((slope, from), fall) in slopes[place].iter_mut().zip(&fields.slope).zip(&*fall) {
             variant.run(Gather { runs, from, to: slope });
             slope.iter_mut().zip(fall).for_each(|(slope, fall)| *slope -= fall);
+        }
+        for (strain, from) in strains.get_mut(place).into_iter().flatten().zip(&fields.modulation) {
+            variant.run(Gather { runs, from, to: strain });
+        }
+        if let Some(area) = areas.get_mut(place) {
+            variant.run(Gather { runs, from: &fields.area, to: area });
         }
         let displaced = !fields.displacement_m[0].is_empty();
         let mut rise_m = [0.0f32; LANES];
@@ -304,7 +337,22 @@ impl PathGenerator {
         footprint_m2: f64,
         work: &mut TileWork,
     ) {
-        let TileWork { variant, timings, batch, view, places_m, bounds_m, kinds, slopes, tile, .. } = work;
+        let TileWork {
+            variant,
+            timings,
+            batch,
+            part,
+            land,
+            view,
+            places_m,
+            bounds_m,
+            kinds,
+            slopes,
+            strains,
+            areas,
+            tile,
+            ..
+        } = work;
         let timing = timings.of(tile.tier);
         let instant = &timing.epochs[place];
         let count = tile.count;
@@ -321,6 +369,7 @@ impl PathGenerator {
         batch.count = count;
         variant.run(Sight {
             slopes,
+            strains,
             nodes: paths,
             weights: &instant.weights,
             bases: &bases,
@@ -339,7 +388,14 @@ impl PathGenerator {
             sea.scattering.beside_m4([places_m[0][i], places_m[1][i]], k, &instant.poses)
         };
         let beside: Option<Beside<'_>> = if sea.scattering.has_short_waves() { Some(&beside) } else { None };
-        self.respond(sea, *variant, kinds, beside, batch);
+        if land.count < count {
+            self.respond(sea, *variant, kinds, beside, batch);
+        }
+        if let Some(LandPlan { scattering, .. }) = sea.land.as_ref().filter(|_| land.count > 0) {
+            // What turns as specular points do is handed over apart, and land is in the other part.
+            let silent = *part == Part::Specular;
+            batch.respond_as_land(*variant, sea.lanes.axis(), scattering, land, silent);
+        }
         out.cosine = batch.cosine;
         if single {
             variant.run(OntoPorts { bases: &bases, view, batch });
@@ -347,6 +403,10 @@ impl PathGenerator {
         let mut scale = [0.0; LANES];
         let (link, footprint_m2) = (plan.link.in_air(), footprint_m2 as f32);
         variant.run(Scale { link, footprint_m2, view, batch, out: &mut scale });
+        if !areas.is_empty() {
+            let (rows, weights) = (&areas[..paths.len()], &instant.weights);
+            variant.run(Stretched { count, rows, weights, out: &mut scale });
+        }
         let isolations_db = [
             self.radar.transmitters[tx].antenna.cross_pol_isolation_db,
             self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db,

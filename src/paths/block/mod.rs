@@ -6,7 +6,7 @@
 //! | quantity | at | in between |
 //! | --- | --- | --- |
 //! | surface, delay and its rate | nodes | cubic Hermite |
-//! | directions, slopes | nodes | cubic, to scattering epochs and gain instants |
+//! | directions, slopes, modulation | nodes | cubic, to scattering epochs and gain instants |
 //! | amplitude without gains and shadows | **scattering epochs**: nodes, and up to two instants between | cubic through four |
 //! | product of both antennas' gains | every few pulses | six-point Lagrange, here |
 //! | visibility | updates of the shadows | linear, here, as everywhere |
@@ -52,7 +52,7 @@ use crate::pulse::costs::{Costs, Stage};
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
 use crate::scattering::bragg::block as bragg_block;
-use crate::scattering::lanes::Batch;
+use crate::scattering::lanes::{Batch, LandRows};
 use crate::scene::Patch;
 use crate::sea::facet_surface::FacetSurface;
 use crate::sea::surface::{Fields, Selection};
@@ -122,6 +122,8 @@ pub struct TileWork {
     part: Part,
     /// Whether specular points add to the block.
     specular: bool,
+    /// Land of the tile at hand.
+    land: Box<LandRows>,
     /// Phasors of a group of facets, where waves travel.
     turns: Vec<bragg_block::Phasors>,
     /// Least and largest of them.
@@ -135,6 +137,10 @@ pub struct TileWork {
     kept: Vec<u16>,
     /// Slopes at every node.
     slopes: [[Row; 2]; NODES],
+    /// Modulation at every node; empty without one.
+    strains: Vec<[Row; 3]>,
+    /// Areas at every node over those of the grid; empty where they are alike.
+    areas: Vec<Row>,
     /// `[pair][instant]`.
     gain_rows: Vec<Vec<Row>>,
     /// `[update][antenna]`.
@@ -267,11 +273,16 @@ impl SeaPlan {
             velocity: true,
             displacement: self.displacement,
             vertical_acceleration: false,
+            modulation: self.lanes.is_modulated(),
             ..Selection::HEIGHT
         };
         // The wakes are legal: the plan was built with them.
-        let facet_surface =
-            FacetSurface::new(&self.surface, selection).with_wakes(&self.wakes, &self.patch).ok()?;
+        let facet_surface = FacetSurface::new(&self.surface, selection)
+            .with_relaxation(self.scattering.relaxation_per_s())
+            .with_choppy(self.choppy)
+            .with_wakes(&self.wakes, &self.patch)
+            .ok()?;
+        let facet_surface = facet_surface.with_land(self.land.as_ref().map(|land| &land.sheet));
         let maker = Maker::of(self, borders)?;
         let facets = self.patch.len();
         let mechanisms = self.scattering.mechanisms();
@@ -298,6 +309,7 @@ impl SeaPlan {
             keys: [[0; 2]; LANES],
             part: Part::Still,
             specular: false,
+            land: LandRows::boxed(),
             turns: Vec::new(),
             bounds_m: [[0.0; 2]; 2],
             drop_m: [0.0; LANES],
@@ -306,6 +318,8 @@ impl SeaPlan {
             whole: false,
             kept: Vec::with_capacity(LANES),
             slopes: [[[0.0; LANES]; 2]; NODES],
+            strains: vec![[[0.0; LANES]; 3]; if selection.modulation { NODES } else { 0 }],
+            areas: vec![[0.0; LANES]; if self.choppy.is_some() { NODES } else { 0 }],
             gain_rows: vec![Vec::new(); channels.len()],
             seen: Vec::new(),
             tile: Tile {

@@ -48,7 +48,8 @@ impl Maker {
                 let updates = visibility.updates::<f64, SeaFault>(&sea.surface, &sea.wakes, &sea.patch);
                 Some(Maker::Few(Box::new(updates.ok()?)))
             }
-            Some(visibility) if visibility.margin == 0 => Some(Maker::Here {
+            // Choppy waves have other heights here than those that hide.
+            Some(visibility) if visibility.margin == 0 && sea.choppy.is_none() => Some(Maker::Here {
                 shadow: Box::new(visibility.shadow(&sea.patch).ok()?),
                 update: Box::new(visibility.empty(&sea.patch)),
                 heights_m: vec![0.0; sea.patch.len()],
@@ -76,6 +77,18 @@ impl ShadowWeights {
 }
 
 impl TileWork {
+    /// Visibility of a facet of the patch at hand from an antenna, at a pulse of the block.
+    pub(in crate::paths) fn weight_at(&self, pulse: usize, antenna: usize, facet: usize) -> f64 {
+        let Some(&(before, share)) = self.shares.get(pulse) else { return 1.0 };
+        let of = |update: usize| {
+            let weights = self.shadow_updates.get(update).and_then(|update| update.weights.get(antenna));
+            weights.and_then(|weights| weights.get(facet)).map_or(1.0, |weight| f64::from(*weight))
+        };
+        // Where the next update adds nothing it may not be there.
+        let (from, to) = (of(before), of((before + 1).min(self.shadow_updates.len().saturating_sub(1))));
+        from + f64::from(share) * (to - from)
+    }
+
     /// Weights of the shadows at every update about the block.
     pub(super) fn weigh_shadows(
         &mut self,
@@ -169,8 +182,14 @@ impl TileWork {
                         heights_m.iter_mut().zip(from).for_each(|(to, from)| *to = from);
                         self.facet_surface.evaluate(*elapsed_s, patch, fields)?;
                     }
-                    visibility
-                        .weigh_heights::<SeaFailure>(shadow, patch, heights_m, places, lower, update)?;
+                    visibility.weigh_heights::<SeaFailure>(
+                        shadow,
+                        (time_s, patch),
+                        heights_m,
+                        places,
+                        lower,
+                        update,
+                    )?;
                     update_weights.take_from(update, patch);
                 }
                 Maker::Along(updates, borders) => {

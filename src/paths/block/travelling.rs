@@ -5,15 +5,14 @@
 //! ([`crate::scattering::bragg::block`]). Specular points turn by a phasor of their own: where they add to what
 //! a sample of the block returns, a tile is handed over twice, its Bragg waves and its specular points.
 
-use glam::DVec3;
-
 use super::TileWork;
 use super::tile::Pair;
-use crate::geometry::lanes::{LANES, Paths};
+use crate::geometry::lanes::LANES;
 use crate::paths::PathGenerator;
 use crate::paths::sea::SeaPlan;
 use crate::scattering::bragg::Mechanism;
-use crate::scattering::bragg::block::{GROUP, Sight, Times};
+use crate::scattering::bragg::block::Times;
+use crate::scattering::bragg::group::{GROUP, Looks};
 use crate::scattering::lanes::Batch;
 use crate::scene::Patch;
 
@@ -88,16 +87,18 @@ impl PathGenerator {
         };
         sum.all_w += work.tile.pairs.iter().map(|pair| power_w(pair, work.tile.count)).sum::<f64>();
         Part::Specular.choose(&mut work.batch);
+        let part = std::mem::replace(&mut work.part, Part::Specular);
         for pair in 0..self.plans.len() {
             let middle = work.tile.pairs[pair].epoch_count / 2;
             self.epoch(sea, pair, middle, patch.facet_m * patch.facet_m, work);
             sum.own_w += power_w(&work.tile.pairs[pair], work.tile.count);
         }
+        work.part = part;
     }
 
     /// Factors of every pulse times what turns the part of the tile.
     pub(super) fn turn(&self, sea: &SeaPlan, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, part, timings, nodes, keys, turns, tile, .. } = work;
+        let TileWork { variant, part, land, timings, nodes, keys, turns, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let Pair { nodes: paths, node_count, factor, turned, .. } = &mut tile.pairs[pair];
         let (Some(lines), Some(mechanism)) = (sea.scattering.travelling(), part.mechanism()) else {
@@ -108,17 +109,19 @@ impl PathGenerator {
         turns.resize(factor.len(), [[0.0; GROUP]; 2]);
         let (first, last) = (&paths[0].paths, &paths[*node_count - 1].paths);
         let times = Times { first_s: nodes[timing.nodes[0]].elapsed_s, interval_s: tile.interval_s };
-        let ends = |paths: &Paths, i: usize| -> [DVec3; 2] {
-            [&paths.incident, &paths.scattered]
-                .map(|d| DVec3::new(d[0][i].into(), d[1][i].into(), d[2][i].into()))
-        };
-        let mut sights: [Sight; GROUP] = [[[DVec3::ZERO; 2]; 2]; GROUP];
+        let mut looks: [Looks; 2] = [[[0.0; GROUP]; 3]; 2];
         for from in (0..tile.count).step_by(GROUP) {
             let count = GROUP.min(tile.count - from);
-            for (sight, i) in sights[..count].iter_mut().zip(from..) {
-                *sight = [ends(first, i), ends(last, i)];
+            for (looks, paths) in looks.iter_mut().zip([first, last]) {
+                for (axis, look) in looks.iter_mut().enumerate() {
+                    let (scattered, incident) =
+                        (&paths.scattered[axis][from..], &paths.incident[axis][from..]);
+                    for ((look, scattered), incident) in look.iter_mut().zip(scattered).zip(incident) {
+                        *look = f64::from(*scattered) - f64::from(*incident);
+                    }
+                }
             }
-            let facets = (&keys[from..from + count], &sights[..count]);
+            let facets = (&keys[from..from + count], &looks);
             lines.phasors_of_block(*variant, mechanism, facets, times, turns);
             for ((turned, turns), factor) in turned.iter_mut().zip(&*turns).zip(&*factor) {
                 for (turned, turns) in turned.iter_mut().zip(turns) {
@@ -126,6 +129,12 @@ impl PathGenerator {
                         *to = turn * factor;
                     }
                 }
+            }
+        }
+        // Land rests.
+        for i in (0..if land.count > 0 { tile.count } else { 0 }).filter(|i| land.land[*i] > 0.0) {
+            for (turned, factor) in turned.iter_mut().zip(&*factor) {
+                (turned[0][i], turned[1][i]) = (factor[i], 0.0);
             }
         }
     }

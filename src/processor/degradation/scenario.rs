@@ -4,6 +4,8 @@
 //! Left out: drawn biases, walks, rounding, and random parts of reports that do not come with every pulse
 //! (those of presets too); errors of attitude and lever arm; turbulence.
 
+use std::fmt;
+
 use glam::DVec3;
 use serde::Serialize;
 
@@ -31,6 +33,43 @@ pub enum Law {
     White { sigma_rad: f64, mean_loss_db: f64 },
     /// Gauss-Markov noise, mean loss of an ensemble at the place expected, without taper.
     GaussMarkov { sigma_rad: f64, tau_s: f64, mean_loss_db: f64 },
+}
+
+/// What it does, in words.
+impl fmt::Display for Law {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bias { path_m, range_cells, cross_range_cells } => write!(
+                f,
+                "bias of {path_m:+.3} m of path: {range_cells:+.3} cells of range, {cross_range_cells:+.3} of cross-range"
+            ),
+            Self::Ramp { path_mps, range_cells, cross_range_cells } => write!(
+                f,
+                "ramp of {path_mps:+.4} m/s of path: {range_cells:+.3} cells of range, {cross_range_cells:+.3} of cross-range"
+            ),
+            Self::Sinusoid { beta_rad, echoes } => write!(
+                f,
+                "sinusoid of {beta_rad:.4} rad: main lobe {:.3} dB, echoes at +-{:.3} cells, {:.2} dB",
+                echoes.main_db, echoes.distance_cells, echoes.level_db
+            ),
+            Self::Step { phase_rad, loss_db: Some(loss), cross_range_cells: Some(cells) } => {
+                write!(
+                    f,
+                    "step of {phase_rad:+.4} rad in the middle: loss {loss:.3} dB, {cells:+.3} cells of cross-range"
+                )
+            }
+            Self::Step { phase_rad, .. } => write!(f, "step of {phase_rad:+.4} rad"),
+            Self::White { sigma_rad, mean_loss_db } => {
+                write!(f, "white noise of {sigma_rad:.4} rad: mean loss {mean_loss_db:.3} dB")
+            }
+            Self::GaussMarkov { sigma_rad, tau_s, mean_loss_db } => {
+                write!(
+                    f,
+                    "Gauss-Markov noise of {sigma_rad:.4} rad, {tau_s} s: mean loss at the place expected {mean_loss_db:.3} dB"
+                )
+            }
+        }
+    }
 }
 
 /// Laws of the errors of the platforms of a channel for a point. `zero_s`: emission of pulse 0 on the clock

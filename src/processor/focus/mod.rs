@@ -18,6 +18,7 @@
 mod error;
 mod gating;
 mod looks;
+pub mod picture;
 
 use num_complex::Complex32;
 

@@ -11,6 +11,7 @@ use crate::frames::SceneFrame;
 use crate::motion::PlatformNav;
 use crate::pulse::SampleFormat;
 use crate::radar::antenna::Antenna;
+use crate::radar::rain::attenuation_db_per_km;
 use crate::radar::receiver::thermal_noise_w;
 use crate::recording::header::Header;
 use crate::scene::Scene;
@@ -179,7 +180,8 @@ impl Description {
                 .noise_figure_db
                 .map_or(0.0, |figure| thermal_noise_w(NOISE * radar.sample_rate_hz, Decibels(figure))),
             mode: "STRIPMAP",
-            air_db_per_m: radar.atmosphere_db_per_km * 1e-3,
+            air_db_per_m: 1e-3
+                * (radar.atmosphere_db_per_km + attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph)),
             patch: scene.sea.as_ref().map(|sea| {
                 let patch = &sea.patch;
                 let side = patch.size_m();

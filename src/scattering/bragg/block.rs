@@ -10,14 +10,10 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
-
-use super::comb::{Comb, Line};
+use super::comb::Comb;
+use super::group::{End, GROUP, Looks};
 use super::{BraggLines, Mechanism};
 use crate::cpu::{Task, Variant};
-
-/// Facets whose components are summed together.
-pub const GROUP: usize = 16;
 
 /// Pulses after which phases are found anew: turning leaves 1e-6 each, -83 dB in as many.
 const RESTART: usize = 64;
@@ -34,67 +30,54 @@ pub struct Times {
     pub interval_s: f64,
 }
 
-/// Directions from the transmitter and to the receiver at the first pulse and at the last.
-pub type Sight = [[DVec3; 2]; 2];
-
-/// A line of the facets of a group at an end of the block.
-#[derive(Clone, Copy)]
-struct End {
-    centre_radps: [f64; GROUP],
-    inverse: [f64; GROUP],
-    height: [f64; GROUP],
-}
-
 impl BraggLines {
-    /// What turns a mechanism of up to [`GROUP`] facets of global keys at every pulse.
+    /// What turns a mechanism of up to [`GROUP`] facets of global keys at every pulse; `looks`: at the first
+    /// and at the last.
     pub fn phasors_of_block(
         &self,
         variant: Variant,
         mechanism: Mechanism,
-        (keys, sights): (&[[i64; 2]], &[Sight]),
+        (keys, looks): (&[[i64; 2]], &[Looks; 2]),
         times: Times,
         out: &mut [Phasors],
     ) {
         out.fill([[0.0; GROUP]; 2]);
-        let mut facets = [0; GROUP];
-        let none = End { centre_radps: [0.0; GROUP], inverse: [1.0; GROUP], height: [0.0; GROUP] };
-        // `[line][end]`.
-        let mut lines = [[none; 2]; 2];
-        let count = keys.len().min(sights.len()).min(GROUP);
-        for i in 0..count {
-            facets[i] = self.number_of(keys[i]);
-            for end in 0..2 {
-                let [incident, scattered] = sights[i][end];
-                for (line, own) in lines.iter_mut().zip(self.lines(mechanism, incident, scattered)) {
-                    line[end].set(i, &self.comb, own);
-                }
-            }
-        }
-        for (ends, number) in lines.iter_mut().zip(mechanism.number()..) {
-            if ends.iter().any(|end| end.height.iter().any(|height| *height != 0.0)) {
-                // Lanes that are not in use are as the first: they ask for no cells of their own.
-                for i in count..GROUP {
-                    for end in &mut *ends {
-                        (end.centre_radps[i], end.inverse[i]) = (end.centre_radps[0], end.inverse[0]);
-                    }
-                }
-                variant.run(Sum { comb: self.comb, facets: &facets, number, ends, times, out });
-            }
-        }
+        variant.run(Block { lines: self, mechanism, keys, looks, times, out });
     }
 }
 
-impl End {
-    fn set(&mut self, i: usize, comb: &Comb, line: Line) {
-        self.centre_radps[i] = line.centre_radps;
-        self.inverse[i] = 1.0 / comb.end_radps(line.deviation_radps);
-        self.height[i] = comb.height(line);
-    }
+/// Adds the lines of a group.
+struct Block<'a> {
+    lines: &'a BraggLines,
+    mechanism: Mechanism,
+    keys: &'a [[i64; 2]],
+    looks: &'a [Looks; 2],
+    times: Times,
+    out: &'a mut [Phasors],
+}
 
-    /// From where to where it has components, rad/s.
-    fn span(&self, i: usize) -> [f64; 2] {
-        let end = 1.0 / self.inverse[i];
-        [self.centre_radps[i] - end, self.centre_radps[i] + end]
+impl Task for Block<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lines, mechanism, keys, looks: [first, last], times, out } = self;
+        let count = keys.len().min(GROUP);
+        let mut facets = [0; GROUP];
+        for i in 0..count {
+            facets[i] = lines.number_of(keys[i]);
+        }
+        let mut ends = [[End::NONE; 2]; 2];
+        let [of_first, of_last] = &mut ends;
+        lines.of_group(mechanism, first, count, of_first);
+        lines.of_group(mechanism, last, count, of_last);
+        for line in 0..2 {
+            let ends = [&ends[0][line], &ends[1][line]];
+            if ends.iter().any(|end| end.height.iter().any(|height| *height != 0.0)) {
+                let number = mechanism.number() + line as u64;
+                Sum { comb: lines.comb, facets: &facets, number, ends, times, out: &mut *out }.run();
+            }
+        }
     }
 }
 
@@ -103,7 +86,7 @@ struct Sum<'a> {
     comb: Comb,
     facets: &'a [u64; GROUP],
     number: u64,
-    ends: &'a [End; 2],
+    ends: [&'a End; 2],
     times: Times,
     out: &'a mut [Phasors],
 }
@@ -191,6 +174,8 @@ fn phasors(turns: &[f32; GROUP]) -> [[f32; GROUP]; 2] {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::super::tests::lines;
     use super::*;
 
@@ -208,11 +193,17 @@ mod tests {
             for (first_s, pulses) in [(0.0, 1), (3.5, 33), (60.0, 150), (3600.0, 20)] {
                 let times = Times { first_s, interval_s: 0.004 };
                 let along = |pulse: usize| 5e-5 * pulse as f64;
-                let sights: Vec<Sight> =
-                    (0..keys.len()).map(|n| [sight(n, 0.0), sight(n, along(pulses - 1))]).collect();
+                let mut looks = [[[0.0; GROUP]; 3]; 2];
+                for (looks, at) in looks.iter_mut().zip([0.0, along(pulses - 1)]) {
+                    for n in 0..keys.len() {
+                        let [incident, scattered] = sight(n, at);
+                        let look = scattered - incident;
+                        (looks[0][n], looks[1][n], looks[2][n]) = (look.x, look.y, look.z);
+                    }
+                }
                 let mut out = vec![[[7.0; GROUP]; 2]; pulses];
                 for (mechanism, at) in [(Mechanism::Specular, 0), (Mechanism::Bragg, 1)] {
-                    lines.phasors_of_block(variant, mechanism, (&keys, &sights), times, &mut out);
+                    lines.phasors_of_block(variant, mechanism, (&keys, &looks), times, &mut out);
                     let (mut off, mut power) = (0.0, 0.0);
                     for (pulse, [re, im]) in out.iter().enumerate() {
                         for (n, key) in keys.iter().enumerate() {

@@ -54,7 +54,7 @@ impl Comb {
     }
 
     /// Where a line of a deviation ends to either side of its middle, rad/s.
-    #[inline]
+    #[inline(always)]
     pub fn end_radps(&self, deviation_radps: f64) -> f64 {
         END * deviation_radps.max(LEAST_CELLS * self.step_radps)
     }
@@ -62,7 +62,13 @@ impl Comb {
     /// What a component in the middle of a line has.
     #[inline]
     pub fn height(&self, line: Line) -> f64 {
-        line.amplitude * (HEIGHT * self.step_radps / self.end_radps(line.deviation_radps)).sqrt()
+        self.height_of(line.amplitude, self.end_radps(line.deviation_radps))
+    }
+
+    /// The same, given the root of a line's share and where it ends.
+    #[inline(always)]
+    pub fn height_of(&self, amplitude: f64, end_radps: f64) -> f64 {
+        amplitude * (HEIGHT * self.step_radps / end_radps).sqrt()
     }
 
     /// Angular frequency, rad/s, and phase at the start, turns, of the component of a cell: `facet` is the

@@ -22,11 +22,12 @@
 //! facet returns, not at which line. Their rms of 0.1 at 45 degrees is a tenth of `K_B` and a twentieth of
 //! `omega_B`: 0.2 Hz in L band, 0.6 in X band, where orbital motion has 4 and 20 Hz.
 //!
-//! Limits: linear waves; no modulation of short waves by long ones; films and ships' own short waves have the
+//! Limits: linear waves; no modulation of short waves by long ones within a facet; films and ships' own short waves have the
 //! directions of the wind's; one phase at the start for all pairs of antennas, as frozen phases have.
 
 pub mod block;
 pub mod comb;
+pub mod group;
 pub mod orbital;
 pub mod share;
 
@@ -177,7 +178,7 @@ impl BraggLines {
     }
 
     /// Random number of the facet with a global key.
-    #[inline]
+    #[inline(always)]
     fn number_of(&self, key: [i64; 2]) -> u64 {
         mixed(mixed(self.seed, key[0].cast_unsigned()), key[1].cast_unsigned())
     }

@@ -11,6 +11,7 @@
 
 use glam::DVec3;
 
+use super::group::{GROUP, Looks};
 use super::{octaves, of_octaves};
 use crate::scene::water::Dispersion;
 use crate::sea::spectrum::{Spectrum, WaveVector};
@@ -61,7 +62,7 @@ impl SubFacetVelocities {
     }
 
     /// Sums up to a wave number.
-    #[inline]
+    #[inline(always)]
     fn tensor(&self, to_radpm: f64) -> Tensor {
         let last = self.sums.len() - 1;
         let place = (octaves(to_radpm) - self.octaves_from) * self.steps_per_octave;
@@ -78,6 +79,20 @@ impl SubFacetVelocities {
     pub fn mean_square(&self, q: DVec3, to_radpm: f64) -> f64 {
         let [xx, xy, yy, zz] = self.tensor(to_radpm);
         (q.x * q.x * xx + 2.0 * q.x * q.y * xy + q.y * q.y * yy + q.z * q.z * zz).max(0.0)
+    }
+
+    /// The same of a group of facets.
+    #[inline(always)]
+    pub(super) fn mean_squares(&self, [x, y, z]: &Looks, to_radpm: &[f64; GROUP], out: &mut [f64; GROUP]) {
+        let [mut xx, mut xy, mut yy, mut zz] = [[0.0; GROUP]; 4];
+        for i in 0..GROUP {
+            [xx[i], xy[i], yy[i], zz[i]] = self.tensor(to_radpm[i]);
+        }
+        for i in 0..GROUP {
+            let sum =
+                x[i] * x[i] * xx[i] + 2.0 * x[i] * y[i] * xy[i] + y[i] * y[i] * yy[i] + z[i] * z[i] * zz[i];
+            out[i] = sum.max(0.0);
+        }
     }
 
     /// Largest rms velocity along East, North or up, of all waves, m/s.

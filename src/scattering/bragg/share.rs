@@ -9,6 +9,7 @@
 
 use std::f64::consts::TAU;
 
+use super::group::{GROUP, Looks};
 use super::{octaves, of_octaves};
 use crate::sea::spectrum::{Spectrum, WaveVector};
 
@@ -81,8 +82,35 @@ impl DirectionShare {
         let last = self.rows.len() - 1;
         let place = (octaves(magnitude) - self.octaves_from) * self.rows_per_octave;
         let place = if place > 0.0 { place.min(last as f64) } else { 0.0 };
-        let row = (place as usize).min(last - 1);
-        let turn = quarters(along, across) * (0.25 * AZIMUTHS as f64);
+        self.at(place, quarters(along, across) * (0.25 * AZIMUTHS as f64))
+    }
+
+    /// The same of a group of facets, given their wave vectors, the unit vector downwind and the wave numbers.
+    #[inline(always)]
+    pub(super) fn roots_of_group(
+        &self,
+        [x, y, _]: &Looks,
+        [cos, sin]: [f64; 2],
+        magnitude: &[f64; GROUP],
+        [with, against]: &mut [[f64; GROUP]; 2],
+    ) {
+        let last = (self.rows.len() - 1) as f64;
+        let (mut places, mut turns) = ([0.0; GROUP], [0.0; GROUP]);
+        for i in 0..GROUP {
+            let place = (octaves(magnitude[i]) - self.octaves_from) * self.rows_per_octave;
+            places[i] = if place > 0.0 { place.min(last) } else { 0.0 };
+            let (along, across) = (cos * x[i] + sin * y[i], cos * y[i] - sin * x[i]);
+            turns[i] = quarters(along, across) * (0.25 * AZIMUTHS as f64);
+        }
+        for i in 0..GROUP {
+            [with[i], against[i]] = self.at(places[i], turns[i]);
+        }
+    }
+
+    /// Between rows and columns of the table.
+    #[inline(always)]
+    fn at(&self, place: f64, turn: f64) -> [f64; 2] {
+        let row = (place as usize).min(self.rows.len() - 2);
         let (column, down) = ((turn as usize).min(AZIMUTHS - 1), place - row as f64);
         let right = turn - column as f64;
         let next = if column + 1 < AZIMUTHS { column + 1 } else { 0 };

@@ -22,6 +22,8 @@
 #![allow(clippy::needless_range_loop)]
 
 mod go;
+mod modulation;
+mod land;
 mod spm;
 pub mod table;
 
@@ -36,6 +38,8 @@ use crate::geometry::lanes::{GROUP, Held, group, group_mut, groups, lane};
 pub use crate::geometry::lanes::{LANES, Row, lanes_for};
 use crate::scattering::splitting::high_pass;
 pub use go::exponential;
+pub use land::LandRows;
+pub(super) use modulation::LaneModulation;
 use table::{BraggTable, Damping};
 
 /// Cosine of the local angle down to which a response goes on behind the tangent plane.
@@ -61,6 +65,8 @@ pub struct Batch {
     pub transmit: [Vectors; 2],
     /// Two of the receiver, normal to `scattered`.
     pub receive: [Vectors; 2],
+    /// Modulation by the waves of the map, the tensor's entries xx, yy, xy on the axes of the scene.
+    pub strain: [Row; 3],
     /// Random phasor of each mechanism, real and imaginary.
     pub phasor: Vec<[Row; 2]>,
     /// Cosines of the local angles to both antennas.
@@ -74,6 +80,10 @@ pub struct Batch {
     bragg: [Row; 2],
     density: Row,
     gain: Row,
+    /// Factor on the density of Bragg waves, and what the weights of sub-facets tend to along and across the
+    /// wind; where they are modulated.
+    raise: Row,
+    bias: [Row; 2],
     power: [[Row; 2]; 2],
 }
 
@@ -88,6 +98,7 @@ impl Batch {
             scattered: vectors,
             slope: [row; 2],
             cover: row,
+            strain: [row; 3],
             transmit: [vectors; 2],
             receive: [vectors; 2],
             phasor: vec![[row; 2]; mechanisms],
@@ -100,6 +111,8 @@ impl Batch {
             bragg: [row; 2],
             density: row,
             gain: row,
+            raise: row,
+            bias: [row; 2],
             power: [[row; 2]; 2],
         })
     }
@@ -134,12 +147,23 @@ pub struct LaneWater {
     pub(super) cut_radpm: Option<f64>,
     pub(super) table: Arc<BraggTable>,
     pub(super) kinds: Vec<LaneKind>,
+    pub(super) modulation: Option<LaneModulation>,
 }
 
 impl LaneWater {
+    /// Whether facets ask for [`Batch::strain`].
+    pub fn is_modulated(&self) -> bool {
+        self.modulation.is_some()
+    }
+
     /// How random phases are shared.
     pub fn phases(&self) -> Phases {
         self.phases
+    }
+
+    /// Horizontal unit axis from which azimuths count.
+    pub fn axis(&self) -> [f32; 2] {
+        self.axis
     }
 
     /// Largest relative error of the tabulated spectrum.
@@ -184,17 +208,26 @@ impl Task for Respond<'_> {
             batch.power.as_flattened_mut().iter_mut().for_each(clear);
         }
         batch.specular(water, kind, single);
+        if let Some(modulation) = &water.modulation {
+            batch.modulate(modulation, water.axis);
+        }
         for (tilt, shape) in water.tilts.iter().enumerate() {
             let flat = shape[..] == [0.0, 0.0, 1.0];
             if flat {
                 batch.bragg_vectors::<true>(water.wavenumber_radpm, water.axis);
             } else {
                 batch.tilt(kind, *shape);
+                if water.modulation.is_some() {
+                    batch.lean(*shape);
+                }
                 batch.bragg_vectors::<false>(water.wavenumber_radpm, water.axis);
             }
             water.table.densities(n, kind.damping.as_ref(), &batch.bragg, &batch.cover, &mut batch.density);
             if let Some(beside) = beside {
                 batch.raise(water, kind, beside);
+            }
+            if water.modulation.is_some() {
+                batch.raise_modulated();
             }
             batch.small_perturbations(water, flat, 1 + tilt, single);
         }

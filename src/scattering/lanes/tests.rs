@@ -5,13 +5,16 @@ use super::*;
 use crate::geometry::bistatic::Basis;
 use crate::scattering::facets::Facets;
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
-use crate::scene::sea::{FacetScattering, PatchPlace, Realisation, SlickRegion, SlickShape, Splitting};
+use crate::scene::sea::{
+    FacetScattering, Modulation, PatchPlace, Realisation, SlickRegion, SlickShape, Splitting,
+};
 use crate::scene::water::{
     Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
 };
 use crate::scene::{Patch, Sea, Water};
 use crate::sea::realise::realise;
 use crate::sea::spectrum::of_water;
+use crate::sea::surface::modulation::{Strength, look};
 use crate::sea::wind::Wind;
 
 fn sea(scattering: FacetScattering) -> Sea {
@@ -34,6 +37,7 @@ fn sea(scattering: FacetScattering) -> Sea {
         realisation: Realisation::Drawn { averaging: Default::default() },
         patch: Patch::new([16.0, 16.0], 1.0, [0.0, 0.0]).unwrap(),
         place: PatchPlace::Fixed,
+        waves: Default::default(),
         scattering,
         shadow: None,
         slicks: vec![SlickRegion {
@@ -43,6 +47,7 @@ fn sea(scattering: FacetScattering) -> Sea {
             cover: 0.8,
             elasticity_npm: 0.0255,
         }],
+        land: None,
     }
 }
 
@@ -57,13 +62,16 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
     let sea = sea(scattering);
     let realised = realise(&sea, 1).unwrap();
     let sight = Sight { carrier_hz, seed: 1, spectrum: SpectrumPath::Exact };
-    let water = WaterScattering::new(&sea, &realised.wind, realised.spectrum.into(), &[], sight).unwrap();
+    let mut water = WaterScattering::new(&sea, &realised.wind, realised.spectrum.into(), &[], sight).unwrap();
+    if let Some(rate_per_s) = water.relaxation_per_s() {
+        water = water.with_strength(Strength::of(&realised.surface, rate_per_s));
+    }
     let lanes = water.lanes();
     let mechanisms = water.mechanisms();
     let mut batch = Batch::boxed(mechanisms);
     let mut seed = 7;
     let mut given: [Vec<f64>; 9] = Default::default();
-    let mut phasors = Vec::new();
+    let (mut phasors, mut modulation) = (Vec::new(), Vec::new());
     for i in 0..LANES {
         // Rounded first, so that both are asked the same.
         let single = |x: f64| f64::from(x as f32);
@@ -98,6 +106,11 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
             phasors.push(phasor);
             (mechanism[0][i], mechanism[1][i]) = (phasor.re as f32, phasor.im as f32);
         }
+        if lanes.is_modulated() {
+            let tensor = [0.5, 0.5, 0.3].map(|width| single(turn(width)));
+            modulation.push(water.strength().factor(tensor, look([ks.x - ki.x, ks.y - ki.y])));
+            batch.strain.iter_mut().zip(tensor).for_each(|(row, entry)| row[i] = entry as f32);
+        }
     }
     let [ix, iy, iz, sx, sy, sz, zx, zy, cover] = given.each_ref().map(Vec::as_slice);
     let facets = Facets {
@@ -107,6 +120,7 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
         slope_y: zy,
         cover,
         phasors: &phasors,
+        modulation: &modulation,
         footprint_m2: 1.0,
     };
     let mut exact = vec![vec![Complex64::ZERO; LANES]; 4];
@@ -148,6 +162,18 @@ fn as_in_f64() {
             ("single", FacetScattering { phases: Phases::Single, ..scattering() }),
             ("tilts", FacetScattering { tilt_average: true, ..scattering() }),
             ("skewed", FacetScattering { gram_charlier: true, ..scattering() }),
+            (
+                "modulated",
+                FacetScattering { modulation: Modulation::Relaxation { rate_per_s: None }, ..scattering() },
+            ),
+            (
+                "modulated, single",
+                FacetScattering {
+                    phases: Phases::Single,
+                    modulation: Modulation::Relaxation { rate_per_s: Some(0.5) },
+                    ..scattering()
+                },
+            ),
             ("mars2007", FacetScattering { splitting: Splitting::Mars2007, ..scattering() }),
         ] {
             let db = error(set, carrier_hz, kind, angles);

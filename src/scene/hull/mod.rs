@@ -57,6 +57,8 @@ pub struct Hull {
     draught_m: f64,
     stated: Stated,
     scatterers: Vec<Scatterer>,
+    /// Length over that of the file or formula it came from.
+    scale: f64,
 }
 
 /// What a ship's file says beside its offsets.
@@ -122,6 +124,7 @@ impl Hull {
             draught_m: 0.0,
             stated: facts.stated,
             scatterers: facts.scatterers,
+            scale: 1.0,
         };
         hull.draught_m = facts.draught_m.unwrap_or_else(|| hull.depth_m());
         hull
@@ -180,6 +183,7 @@ impl Hull {
             draught_m: self.draught_m * ratio,
             stated: self.stated.scaled(ratio),
             scatterers: self.scatterers.iter().map(moved).collect(),
+            scale: self.scale * ratio,
         })
     }
 
@@ -235,6 +239,11 @@ impl Hull {
     fn deepest_m(&self, stations: std::ops::Range<usize>) -> f64 {
         let first = stations.filter_map(|i| self.half_breadths_m(i).iter().position(|y| *y > 0.0)).min();
         first.map_or(0.0, |first| -self.waterlines_m[first.saturating_sub(1)])
+    }
+
+    /// Length over that of the file or formula that it came from.
+    pub fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// Published particulars.

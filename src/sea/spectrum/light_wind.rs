@@ -69,6 +69,13 @@ pub fn threshold_mps(k_rad_m: f64) -> f64 {
     c * (4.0 * VISCOSITY_M2PS * k / (GROWTH * c)).sqrt()
 }
 
+/// Rate at which a wave returns to its equilibrium with the wind, 1/s: that of its growth (Plant 1982, 1989),
+/// or of its decay by viscosity where that is faster.
+pub fn relaxation_per_s(k_rad_m: f64, ustar_mps: f64) -> f64 {
+    let c = phase_speed_mps(k_rad_m);
+    (GROWTH * (ustar_mps / c).powi(2) * c * k_rad_m).max(4.0 * VISCOSITY_M2PS * k_rad_m * k_rad_m)
+}
+
 /// Share of a wave that winds about a friction velocity sustain, 0 to 1.
 fn sustained(k_rad_m: f64, ustar_mps: f64) -> f64 {
     let deviation = (ustar_mps / threshold_mps(k_rad_m) - 1.0) / GUSTS;

@@ -43,6 +43,12 @@ impl<T: Real> Evaluator<T> {
         }
     }
 
+    /// The same with short waves that relax at a rate, 1/s ([`modulation`](super::modulation)).
+    pub fn with_relaxation(mut self, rate_per_s: f64) -> Self {
+        self.transform.relax(rate_per_s);
+        self
+    }
+
     /// Fills every field that is not empty, at a time in seconds from t = 0.
     ///
     /// # Errors
@@ -69,15 +75,20 @@ impl<T: Real> Evaluator<T> {
             acceleration_mps2: [ax, ay, az],
             displacement_m,
             slope_rate_per_s,
+            modulation,
+            stretch,
+            area: _,
         } = fields;
         let [slope_x, slope_y] = slope;
         let [dx, dy] = displacement_m;
         let [rate_x, rate_y] = slope_rate_per_s;
+        let [along_x, along_y, shear] = modulation;
+        let [stretch_x, stretch_y, stretch_xy] = stretch;
         // The height goes with the acceleration, or, where that is not wanted, with the vertical velocity.
         let (pair, beside, rest): (_, &mut [T], &mut [T]) =
             if az.is_empty() { (Pair::Rise, uz, az) } else { (Pair::Height, az, uz) };
         let pair = if beside.is_empty() { Pair::Height } else { pair };
-        let pairs: [(Pair, &mut [T], &mut [T]); 7] = [
+        let pairs: [(Pair, &mut [T], &mut [T]); 11] = [
             (pair, height_m, beside),
             (Pair::Slope, slope_x, slope_y),
             (Pair::HorizontalVelocity, ux, uy),
@@ -85,6 +96,10 @@ impl<T: Real> Evaluator<T> {
             (Pair::HorizontalAcceleration, ax, ay),
             (Pair::Displacement, dx, dy),
             (Pair::SlopeRate, rate_x, rate_y),
+            (Pair::Modulation, along_x, along_y),
+            (Pair::ModulationShear, shear, &mut []),
+            (Pair::Stretch, stretch_x, stretch_y),
+            (Pair::StretchShear, stretch_xy, &mut []),
         ];
         for found in pairs.iter().flat_map(|(_, first, second)| [first.len(), second.len()]) {
             if found != 0 && found != self.facets {

@@ -84,6 +84,10 @@ pub struct Selection {
     pub displacement: bool,
     /// Time derivative of the slopes.
     pub slope_rate: bool,
+    /// Modulation of short waves ([`modulation`](super::modulation)).
+    pub modulation: bool,
+    /// Gradient of the horizontal displacement, and the area that choppy waves leave of facets.
+    pub stretch: bool,
 }
 
 impl Selection {
@@ -95,8 +99,10 @@ impl Selection {
         horizontal_acceleration: false,
         displacement: false,
         slope_rate: false,
+        modulation: false,
+        stretch: false,
     };
-    /// Everything.
+    /// Everything that moves.
     pub const ALL: Self = Self {
         slopes: true,
         velocity: true,
@@ -104,7 +110,16 @@ impl Selection {
         horizontal_acceleration: true,
         displacement: true,
         slope_rate: true,
+        modulation: false,
+        stretch: false,
     };
+}
+
+impl Selection {
+    /// The same with what choppy waves are made of ([`choppy`](super::choppy)).
+    pub fn choppy(self) -> Self {
+        Self { slopes: true, velocity: true, displacement: true, stretch: true, ..self }
+    }
 }
 
 /// Fields of a surface at an instant.
@@ -122,6 +137,13 @@ pub struct Fields<T> {
     pub displacement_m: [Vec<T>; 2],
     /// Time derivative of the slopes, 1/s.
     pub slope_rate_per_s: [Vec<T>; 2],
+    /// Modulation of short waves, the tensor's entries xx, yy, xy ([`modulation`](super::modulation)).
+    pub modulation: [Vec<T>; 3],
+    /// Gradient of the horizontal displacement of linear waves, xx, yy, xy.
+    pub stretch: [Vec<T>; 3],
+    /// Horizontal area of a facet over that of the grid; zero where nobody has found it
+    /// ([`choppy`](super::choppy)).
+    pub area: Vec<T>,
 }
 
 impl<T: Real> Fields<T> {
@@ -141,6 +163,8 @@ impl<T: Real> Fields<T> {
             horizontal_acceleration,
             displacement,
             slope_rate,
+            modulation,
+            stretch,
         } = selection;
         Self {
             height_m: make(true),
@@ -153,11 +177,14 @@ impl<T: Real> Fields<T> {
             ],
             displacement_m: pair(displacement),
             slope_rate_per_s: pair(slope_rate),
+            modulation: [make(modulation), make(modulation), make(modulation)],
+            stretch: [make(stretch), make(stretch), make(stretch)],
+            area: make(stretch),
         }
     }
 
     /// All fields, one after the other.
-    pub(in crate::sea) fn columns(&self) -> [&[T]; 13] {
+    pub(in crate::sea) fn columns(&self) -> [&[T]; 20] {
         let Self {
             height_m: z,
             slope: [zx, zy],
@@ -165,12 +192,16 @@ impl<T: Real> Fields<T> {
             acceleration_mps2: [ax, ay, az],
             displacement_m: [dx, dy],
             slope_rate_per_s: [rx, ry],
+            modulation: [mxx, myy, mxy],
+            stretch: [sxx, syy, sxy],
+            area,
         } = self;
-        [z, zx, zy, u, v, w, ax, ay, az, dx, dy, rx, ry].map(Vec::as_slice)
+        [z, zx, zy, u, v, w, ax, ay, az, dx, dy, rx, ry, mxx, myy, mxy, sxx, syy, sxy, area]
+            .map(Vec::as_slice)
     }
 
     /// The same, to be written.
-    pub(in crate::sea) fn columns_mut(&mut self) -> [&mut [T]; 13] {
+    pub(in crate::sea) fn columns_mut(&mut self) -> [&mut [T]; 20] {
         let Self {
             height_m: z,
             slope: [zx, zy],
@@ -178,8 +209,12 @@ impl<T: Real> Fields<T> {
             acceleration_mps2: [ax, ay, az],
             displacement_m: [dx, dy],
             slope_rate_per_s: [rx, ry],
+            modulation: [mxx, myy, mxy],
+            stretch: [sxx, syy, sxy],
+            area,
         } = self;
-        [z, zx, zy, u, v, w, ax, ay, az, dx, dy, rx, ry].map(Vec::as_mut_slice)
+        [z, zx, zy, u, v, w, ax, ay, az, dx, dy, rx, ry, mxx, myy, mxy, sxx, syy, sxy, area]
+            .map(Vec::as_mut_slice)
     }
 }
 

@@ -15,6 +15,7 @@
 //! | acceleration, m/s^2 | `-w^2 H` and `-j (K/\|K\|) w^2 q H` |
 //! | horizontal displacement D, m | `j (K/\|K\|) q H`, the time integral of the horizontal velocity |
 //! | rate of the slope, 1/s | `K w (E - F)` |
+//! | gradient of D | `-(K K/\|K\|) q H` |
 //!
 //! `z(x, t) = sum of H exp(j K.x)`: waves travel along +K, the field is real, its expected variance is
 //! exactly the sum of `Psi dKx dKy`. `q = coth(K d)` (1 in deep water). The zero and Nyquist wave numbers
@@ -29,7 +30,7 @@
 //! Any time is evaluated from t = 0 with phases reduced in f64: nothing drifts. f32 fields are within -120 dB
 //! of the f64 ones (relative to the rms of the height, or of the larger component of a vector). Limits:
 //! linear waves; at most 2^26 facets;
-//! |t| up to 1e9 s.
+//! |t| up to 1e9 s. [`choppy`] makes waves of second order of them.
 //!
 //! ```
 //! use nereus::scene::water::{Dispersion, Spreading, WindProfile};
@@ -47,9 +48,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod choppy;
 pub mod evaluator;
 pub mod fields;
 pub mod grid;
+pub mod modulation;
 pub mod phasors;
 pub mod state;
 pub mod transform;

@@ -27,6 +27,7 @@ use nereus_fft::Fft;
 use num_complex::Complex;
 
 use super::fields::Real;
+use super::modulation::{CONTRACTION, parts};
 use super::{Phasors, Surface};
 use crate::cpu::{Task, Variant};
 
@@ -49,6 +50,14 @@ pub enum Pair {
     Displacement,
     /// Rates of the slopes.
     SlopeRate,
+    /// Modulation, xx and yy ([`modulation`](super::modulation)).
+    Modulation,
+    /// Modulation, xy, alone.
+    ModulationShear,
+    /// Gradient of the displacement, xx and yy.
+    Stretch,
+    /// Gradient of the displacement, xy, alone.
+    StretchShear,
 }
 
 /// Rows of the wave-number plane that are transformed before they are written transposed: one cache line
@@ -74,6 +83,8 @@ pub struct Transform<T: Real> {
     levelled_back: T,
     /// `g` where the horizontal acceleration is `-g` times the slope: gravity waves in any depth.
     gravity: Option<T>,
+    /// Rate at which short waves relax, 1/s.
+    relaxation_per_s: T,
     block: Vec<Complex<T>>,
     plane: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
@@ -117,11 +128,17 @@ impl<T: Real> Transform<T> {
             omega,
             excursion,
             gravity: (!dispersion.capillary).then(|| T::round_from(crate::sea::GRAVITY_MPS2)),
+            relaxation_per_s: T::one(),
             block: vec![zero; BLOCK.min(nx) * ny],
             plane: vec![zero; nx * ny],
             scratch: vec![zero; scratch],
             begin: [0; 2],
         }
+    }
+
+    /// Short waves relax at a rate from now on, 1/s.
+    pub fn relax(&mut self, rate_per_s: f64) {
+        self.relaxation_per_s = T::round_from(rate_per_s);
     }
 
     /// Which column and row of the grid come first in the fields from now on; those before them come last.
@@ -159,6 +176,7 @@ impl<T: Real> Transform<T> {
                 let half = i.min(nx - i) * ny;
                 let factors = Row {
                     levelling: self.levelling,
+                    relaxation_per_s: self.relaxation_per_s,
                     kx: self.kx[i],
                     ky: &self.ky,
                     omega: &self.omega[half..half + ny],
@@ -240,6 +258,7 @@ fn levelling(surface: &Surface) -> f64 {
 /// Factors along one row of the wave-number plane.
 struct Row<'a, T> {
     levelling: T,
+    relaxation_per_s: T,
     kx: T,
     ky: &'a [T],
     omega: &'a [T],
@@ -300,6 +319,40 @@ impl<T: Real> Row<'_, T> {
             }
             // (Kx + j Ky) w G
             Pair::SlopeRate => self.multiply(g, out, |ky, omega, _| (self.kx * omega, ky * omega)),
+            Pair::Modulation => self.modulate(h, g, out, |ky| (self.kx * self.kx, ky * ky)),
+            Pair::ModulationShear => self.modulate(h, g, out, |ky| (self.kx * ky, zero)),
+            // -(Kx^2 + j Ky^2) q/K H
+            Pair::Stretch => self.multiply(h, out, |ky, _, excursion| {
+                (-(self.kx * self.kx * excursion), -(ky * ky * excursion))
+            }),
+            // -Kx Ky q/K H
+            Pair::StretchShear => {
+                self.multiply(h, out, |ky, _, excursion| (-(self.kx * ky * excursion), zero))
+            }
+        }
+    }
+
+    /// `out = (a + j b) (Re R H + j Im R G) q/K`: two entries of the tensor, of waves with the transfer
+    /// function R.
+    #[inline(always)]
+    fn modulate(
+        &self,
+        h: &[Complex<T>],
+        g: &[Complex<T>],
+        out: &mut [Complex<T>],
+        entries: impl Fn(T) -> (T, T),
+    ) {
+        let n = out.len();
+        let (h, g, ky) = (&h[..n], &g[..n], &self.ky[..n]);
+        let (omega, excursion) = (&self.omega[..n], &self.excursion[..n]);
+        let strength = T::round_from(CONTRACTION);
+        for j in 0..n {
+            let (in_phase, behind) = parts(omega[j], self.relaxation_per_s);
+            let scale = strength * excursion[j];
+            let (re, im) = (scale * in_phase, scale * behind);
+            let field = Complex::new(re * h[j].re - im * g[j].im, re * h[j].im + im * g[j].re);
+            let (a, b) = entries(ky[j]);
+            out[j] = Complex::new(a * field.re - b * field.im, a * field.im + b * field.re);
         }
     }
 

@@ -431,14 +431,26 @@ impl Wanted {
 }
 
 fn check_sizes<T: Real>(fields: &Fields<T>, needed: usize) -> Result<(), SurfaceError> {
-    let Fields { height_m, slope, velocity_mps, acceleration_mps2, displacement_m, slope_rate_per_s } =
-        fields;
+    let Fields {
+        height_m,
+        slope,
+        velocity_mps,
+        acceleration_mps2,
+        displacement_m,
+        slope_rate_per_s,
+        modulation,
+        stretch,
+        area,
+    } = fields;
     let all = std::iter::once(height_m)
         .chain(slope)
         .chain(velocity_mps)
         .chain(acceleration_mps2)
         .chain(displacement_m)
-        .chain(slope_rate_per_s);
+        .chain(slope_rate_per_s)
+        .chain(modulation)
+        .chain(stretch)
+        .chain([area]);
     match all.map(Vec::len).find(|&found| found != 0 && found != needed) {
         Some(found) => Err(SurfaceError::FieldSize { found, needed }),
         None => Ok(()),

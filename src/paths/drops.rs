@@ -1,0 +1,387 @@
+//! Rain as scatterer paths: points that stand for the drops of a volume each.
+//!
+//! At a time the space under the rain's top is split into boxes, halved along x, y and z in turn until none
+//! is larger than `1/DROPS` of the resolution cell about it (a range cell `c/2B` times the area that the
+//! narrower beam lights there, from where antennas were when the slot began). A box holds one point per slot:
+//! at a random place, with a random phase and the cross section `eta V` of its volume
+//! ([`crate::radar::rain`]). Both follow from the seed, the slot and the numbers of the box alone.
+//!
+//! A point runs straight on, with the wind, the mean fall and a Gaussian velocity of its own, which is the
+//! Doppler spectrum of the rain. Slots of [`SLOT_S`] overlap by half: a point lasts two of them, with the
+//! amplitude `sin(pi s)`, so that the powers of both add up to 1 at every time.
+//!
+//! Its matrix is that of a Rayleigh scatterer, a dipole along the field that it meets: `sqrt(eta V) e_p . e_q`
+//! in the bases of the path, all of it back and none at right angles in the plane of the field.
+//!
+//! Paths are found exactly and at every pulse by both echoes. Limits: main lobes of the antennas
+//! ([`crate::radar::lobe`]); the window's own emission, so that rain beyond the pulse interval does not fold
+//! into it; one rate, wind and fall at all heights; drops that are spheres.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use num_complex::Complex64;
+use rand::RngExt;
+use rand_distr::StandardNormal;
+
+use super::facets::Reception;
+use super::{PathGenerator, Workspace};
+use crate::frames::{Enu, Point, Vector};
+use crate::geometry::bistatic::Basis;
+use crate::geometry::horizon;
+use crate::geometry::light_time::{LightTime, bistatic};
+use crate::motion::pointing::PhaseCentre;
+use crate::paths::emission::TrackFailure;
+use crate::paths::list::ScattererPaths;
+use crate::radar::antenna::Antenna;
+use crate::radar::fault::{RadarError, TrackUse, mounts};
+use crate::radar::lobe::MainLobe;
+use crate::radar::rain::{fall_mps, volume_reflectivity_per_m};
+use crate::radar::window::Window;
+use crate::rng::{Room, stream};
+use crate::scene::radar::Waveform;
+use crate::scene::{Radar, Scene};
+use crate::sea::wind::Wind;
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+/// Half the life of a point, s.
+const SLOT_S: f64 = 1.0;
+/// Points in a resolution cell, and those of a pulse, at most.
+const DROPS: f64 = 8.0;
+const MOST: usize = 16_384;
+/// Pulses of the run at which they are counted.
+const COUNTED: u64 = 5;
+/// Half the side of the space that is split, m, and how often it is: boxes of 2 m.
+const HALF_M: f64 = 1_048_576.0;
+const DEEPEST: u32 = 60;
+/// Deviations of its velocity within which a point is looked for.
+const WITHIN: f64 = 4.0;
+
+/// The rain of a run.
+#[derive(Clone, Debug)]
+pub(super) struct RainPlan {
+    /// Cross section per volume, 1/m.
+    eta_per_m: f64,
+    top_m: f64,
+    /// Mean velocity and rms of what is about it, m/s.
+    drift_mps: DVec3,
+    spread_mps: f64,
+    /// Of all antennas, transmitters first.
+    lobes: Vec<MainLobe>,
+    range_cell_m: f64,
+    /// Volume of a point over that which is wanted; 1 where no bound is met.
+    coarser: f64,
+    /// Points of a pulse, mean.
+    drops: f64,
+    seed: u64,
+}
+
+/// A box of space that is split: level and numbers along x, y and z.
+#[derive(Clone, Copy)]
+struct Cell {
+    level: u32,
+    at: [u32; 3],
+}
+
+impl Cell {
+    fn side_m(self) -> DVec3 {
+        let halved = |axis: u32| 2.0 * HALF_M / f64::from(1u32 << ((self.level + 2 - axis) / 3));
+        DVec3::new(halved(0), halved(1), halved(2))
+    }
+
+    fn low_m(self, side_m: DVec3) -> DVec3 {
+        let [x, y, z] = self.at.map(f64::from);
+        DVec3::new(x, y, z) * side_m - DVec3::splat(HALF_M)
+    }
+
+    /// One of its halves.
+    fn half(self, upper: u32) -> Self {
+        let mut at = self.at;
+        let axis = (self.level % 3) as usize;
+        at[axis] = 2 * at[axis] + upper;
+        Self { level: self.level + 1, at }
+    }
+}
+
+/// What is looked for in a slot at a pulse.
+struct Search<'a> {
+    plan: &'a RainPlan,
+    of: &'a PathGenerator,
+    reception: &'a Reception<'a>,
+    /// Where antennas were when the slot began.
+    places: &'a [Point<Enu>],
+    slot: i64,
+}
+
+/// A point at a pulse.
+struct Drop {
+    position: Point<Enu>,
+    velocity: Vector<Enu>,
+    phasor: Complex64,
+    sigma_m2: f64,
+}
+
+impl RainPlan {
+    /// Of a scene whose rain returns an echo; `None` of others.
+    pub fn new(scene: &Scene, antennas: &[Antenna], pulse_length_s: f64) -> Option<Self> {
+        let Radar { carrier_hz, rain_mmph, sample_rate_hz, .. } = scene.radar;
+        let bandwidth_hz = match scene.radar.waveform {
+            Waveform::Lfm { bandwidth_hz, .. } => bandwidth_hz,
+            Waveform::Samples { .. } => sample_rate_hz,
+        };
+        // That of a pulse without modulation.
+        let bandwidth_hz = bandwidth_hz.max(pulse_length_s.recip()).min(sample_rate_hz);
+        let clutter = scene.radar.rain_clutter.filter(|_| rain_mmph > 0.0)?;
+        // A wind that is wrong is reported by the sea.
+        let wind = scene.sea.as_ref().and_then(|sea| Wind::resolve(&sea.water.wind).ok());
+        let (sin, cos) = wind.map_or(0.0, |wind| wind.direction_rad).sin_cos();
+        let wind_mps = wind.map_or(0.0, |wind| wind.u10_mps);
+        Some(Self {
+            eta_per_m: volume_reflectivity_per_m(carrier_hz, rain_mmph),
+            top_m: clutter.top_m,
+            drift_mps: DVec3::new(wind_mps * cos, wind_mps * sin, -fall_mps(rain_mmph)),
+            spread_mps: clutter.spread_mps,
+            lobes: antennas.iter().map(MainLobe::of).collect(),
+            range_cell_m: 0.5 * SPEED_OF_LIGHT_MPS / bandwidth_hz,
+            coarser: 1.0,
+            drops: 0.0,
+            seed: scene.seed,
+        })
+    }
+
+    /// Amplitude at a time of a slot: 0 at the ends of the life.
+    fn envelope(slot: i64, elapsed_s: f64) -> f64 {
+        (0.5 * PI * (elapsed_s / SLOT_S - slot as f64)).sin().max(0.0)
+    }
+
+    fn middle_s(slot: i64) -> f64 {
+        (slot as f64 + 1.0) * SLOT_S
+    }
+}
+
+impl Search<'_> {
+    /// Volume of the box of a point about a place, m^3.
+    fn wanted_m3(&self, place: DVec3) -> f64 {
+        let transmitters = self.of.radar.transmitters.len();
+        let area_m2 = |end: usize| {
+            let (range_m, sr) =
+                (place.distance(self.places[end].raw()), self.plan.lobes[end].solid_angle_sr());
+            (sr * range_m * range_m).min(sr.sqrt() * range_m * self.plan.top_m)
+        };
+        let least = self
+            .of
+            .pairs
+            .iter()
+            .map(|pair| area_m2(pair.transmitter).min(area_m2(transmitters + pair.receiver)));
+        // Of both slots that overlap.
+        let share = 2.0 / DROPS * self.plan.coarser * self.plan.range_cell_m;
+        share * least.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether rain may stand between two heights over a rectangle.
+    fn is_wet(&self, low: DVec3, high: DVec3) -> bool {
+        let earth = self.of.frame.earth();
+        let nearest = |axis: usize| 0f64.clamp(low[axis], high[axis]);
+        let farthest = |axis: usize| if low[axis] + high[axis] > 0.0 { high[axis] } else { low[axis] };
+        let least_m = low.z + earth.drop_m(nearest(0), nearest(1));
+        let most_m = high.z + earth.drop_m(farthest(0), farthest(1));
+        most_m > 0.0 && least_m < self.plan.top_m
+    }
+
+    /// Whether any pair sees a sphere about a place.
+    fn is_seen(&self, place: DVec3, radius_m: f64) -> bool {
+        let Reception { emission, window, offset_s, axes_span_s, .. } = *self.reception;
+        let transmitters = self.of.radar.transmitters.len();
+        self.of.plans.iter().any(|plan| {
+            let ends = [plan.pair.transmitter, transmitters + plan.pair.receiver];
+            let ways = ends.map(|end| place - emission.centres[end].position.raw());
+            let lengths_m = ways.map(DVec3::length);
+            let delay_s = (lengths_m[0] + lengths_m[1]) / SPEED_OF_LIGHT_MPS;
+            let slack_s = 2.0 * radius_m / SPEED_OF_LIGHT_MPS;
+            let begin_s = offset_s + delay_s;
+            let touches = begin_s - slack_s <= window.close_s + window.guard_s
+                && begin_s + slack_s + window.pulse_s >= window.open_s - window.guard_s;
+            touches
+                && ends.iter().zip(ways).zip(lengths_m).all(|((end, way), length_m)| {
+                    let axes = emission.axes_after(*end, delay_s, axes_span_s);
+                    let slack_rad = if length_m > radius_m { (radius_m / length_m).asin() } else { PI };
+                    self.plan.lobes[*end].holds(axes.transpose() * way, slack_rad)
+                })
+        })
+    }
+
+    /// Hands over the points of a box that may be seen; `false` once no more are wanted.
+    fn visit(&self, cell: Cell, each: &mut impl FnMut(&Drop) -> bool) -> bool {
+        let side_m = cell.side_m();
+        let low = cell.low_m(side_m);
+        let high = low + side_m;
+        if !self.is_wet(low, high) {
+            return true;
+        }
+        let from_middle_s = self.reception.elapsed_s - RainPlan::middle_s(self.slot);
+        let middle = 0.5 * (low + high);
+        // What light time and its own velocity move a point is small beside these metres.
+        let margin_m = 5.0 + WITHIN * self.plan.spread_mps * SLOT_S;
+        let radius_m = 0.5 * side_m.length() + margin_m;
+        if !self.is_seen(middle + self.plan.drift_mps * from_middle_s, radius_m) {
+            return true;
+        }
+        let volume_m3 = side_m.x * side_m.y * side_m.z;
+        if cell.level < DEEPEST && volume_m3 > std::f64::consts::SQRT_2 * self.wanted_m3(middle) {
+            return (0..2).all(|upper| self.visit(cell.half(upper), each));
+        }
+        let [x, y, z] = cell.at.map(u64::from);
+        let part = (self.slot as u64) << 8 | u64::from(cell.level);
+        let mut rng = stream(self.plan.seed, Room::RainDrop, x << 42 | y << 21 | z, part);
+        let [x, y, z, turns] = [(); 4].map(|()| rng.random::<f64>());
+        let own: [f64; 3] = [(); 3].map(|()| rng.sample(StandardNormal));
+        let place = low + side_m * DVec3::new(x, y, z);
+        // Where its life is half over decides, so that none appears or goes while it is seen.
+        let height_m = place.z + self.of.frame.earth().drop_m(place.x, place.y);
+        if !(0.0..self.plan.top_m).contains(&height_m) {
+            return true;
+        }
+        let velocity = self.plan.drift_mps + self.plan.spread_mps * DVec3::from_array(own);
+        let position = place + velocity * from_middle_s;
+        if !self.is_seen(position, 0.0) {
+            return true;
+        }
+        let envelope = RainPlan::envelope(self.slot, self.reception.elapsed_s);
+        each(&Drop {
+            position: Point::from_raw(position),
+            velocity: Vector::from_raw(velocity),
+            phasor: Complex64::cis(TAU * turns),
+            sigma_m2: self.plan.eta_per_m * volume_m3 * envelope * envelope,
+        })
+    }
+}
+
+impl PathGenerator {
+    /// Whether rain returns an echo.
+    pub fn rains(&self) -> bool {
+        self.rain.is_some()
+    }
+
+    /// Points that stand for rain at a pulse, mean; 0 where it returns nothing.
+    pub fn drops(&self) -> f64 {
+        self.rain.as_ref().map_or(0.0, |rain| rain.drops)
+    }
+
+    /// Points that stand for rain in a resolution cell: fewer than are wanted where there would be too many.
+    pub fn drops_per_cell(&self) -> f64 {
+        self.rain.as_ref().map_or(0.0, |rain| DROPS / rain.coarser)
+    }
+
+    /// Lets it rain in a scene whose tracks are known: so coarsely that a pulse has not too many points.
+    pub(super) fn let_it_rain(&mut self, scene: &Scene) -> Result<(), RadarError> {
+        self.rain = RainPlan::new(scene, &self.antennas, self.pulse_length_s);
+        if self.rain.is_none() {
+            return Ok(());
+        }
+        let mut workspace = self.workspace();
+        let mut paths = ScattererPaths::new(self.pairs.len(), self.radar.channels.len(), 0);
+        let last = self.pulses.saturating_sub(1);
+        while self.rain.is_some() {
+            let (mut most, mut sum) = (0, 0);
+            for n in 0..COUNTED {
+                let index = (u128::from(last) * u128::from(n) / u128::from(COUNTED - 1)) as u64;
+                self.rain_at(index, &mut workspace, &mut paths)?;
+                (most, sum) = (most.max(paths.len()), sum + paths.len());
+            }
+            let Some(rain) = &mut self.rain else { break };
+            // Twice as many are not counted any more.
+            if most <= MOST {
+                rain.drops = sum as f64 / COUNTED as f64;
+                break;
+            }
+            rain.coarser *= 2.0;
+        }
+        Ok(())
+    }
+
+    /// Appends the rain that an emission illuminates and its window receives.
+    pub(super) fn append_rain(
+        &self,
+        reception: &Reception,
+        (places, amplitude): (&mut Vec<Point<Enu>>, &mut [Complex64]),
+        paths: &mut ScattererPaths,
+    ) -> Result<(), TrackFailure> {
+        let Some(plan) = &self.rain else { return Ok(()) };
+        let most = paths.len() + 2 * MOST;
+        let last = (reception.elapsed_s / SLOT_S).floor() as i64;
+        for slot in [last - 1, last] {
+            let begin = self.start.plus((slot as f64 * SLOT_S).max(0.0));
+            places.clear();
+            for (_, mount) in mounts(&self.radar) {
+                let state = self.tracks[mount.platform].truth.state(begin).map_err(|source| {
+                    TrackFailure { platform: mount.platform, which: TrackUse::Truth, source }
+                })?;
+                places.push(PhaseCentre::of(&state, mount.lever_arm).position);
+            }
+            let search = Search { plan, of: self, reception, places, slot };
+            search.visit(Cell { level: 0, at: [0; 3] }, &mut |drop| {
+                self.append_drop(reception, drop, amplitude, paths);
+                paths.len() < most
+            });
+        }
+        Ok(())
+    }
+
+    fn append_drop(
+        &self,
+        reception: &Reception,
+        drop: &Drop,
+        amplitude: &mut [Complex64],
+        paths: &mut ScattererPaths,
+    ) {
+        let Reception { emission, tx_pol, offset_s, .. } = *reception;
+        let (earth, transmitters) = (self.frame.hiding_earth(), self.radar.transmitters.len());
+        amplitude.fill(Complex64::ZERO);
+        for (pair, plan) in self.plans.iter().enumerate() {
+            let ends = [plan.pair.transmitter, transmitters + plan.pair.receiver];
+            let [tx, rx] = ends.map(|end| &emission.centres[end]);
+            let path = bistatic(LightTime::Exact, tx, drop.position, drop.velocity, rx);
+            paths.delay_s[pair].push(path.delay_s);
+            paths.delay_rate[pair].push(path.delay_rate);
+            if !(reception.window.touches(offset_s + path.delay_s) && plan.receives(tx_pol)) {
+                continue;
+            }
+            let legs_m = [path.tx_leg_s, path.rx_leg_s].map(|leg_s| leg_s * SPEED_OF_LIGHT_MPS);
+            let seen = [tx, rx].map(|end| {
+                let clearance_m = horizon::clearance_m(earth, end.position, drop.position);
+                horizon::weight(clearance_m, horizon::POINT_EDGE_M)
+            });
+            let scale = plan.link.scattered(legs_m[0], legs_m[1]) * seen[0] * seen[1];
+            if scale == 0.0 {
+                continue;
+            }
+            let (sent, received) = (Basis::of(path.incident), Basis::of(path.scattered));
+            let of = drop.phasor * drop.sigma_m2.sqrt();
+            let matrix = [received.v, received.h].map(|e| [sent.v, sent.h].map(|own| of * e.dot(own)));
+            self.amplitudes(plan, (&path, None), Some(&matrix), scale, tx_pol, emission, amplitude);
+        }
+        paths.finish(offset_s, amplitude);
+    }
+
+    /// Fills `paths` with the rain of a pulse; without any, empties it.
+    ///
+    /// # Errors
+    /// A pulse that the tracks do not cover.
+    pub fn rain_at(
+        &self,
+        index: u64,
+        workspace: &mut Workspace,
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
+        paths.clear();
+        if self.rain.is_none() {
+            return Ok(());
+        }
+        let Workspace { own, amplitude, places, .. } = workspace;
+        self.evaluate(index, own)?;
+        let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
+        let reception = self.reception(index, index, own, window);
+        let appended = self.append_rain(&reception, (places, amplitude), paths);
+        appended.map_err(|failure| self.track_error(index, failure))
+    }
+}

@@ -1,0 +1,214 @@
+//! Scatterer paths of the panels of ships.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use super::PathGenerator;
+use super::emission::{Emission, TrackFailure};
+use super::facets::Reception;
+use super::ships::{Echoing, Scenery};
+use crate::geometry::light_time::Path;
+use crate::motion::pointing::PhaseCentre;
+use crate::paths::list::ScattererPaths;
+use crate::radar::fault::{RadarError, TrackUse, mounts};
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+impl PathGenerator {
+    /// Paths of ships that echo by their mesh.
+    pub fn ship_paths(&self) -> usize {
+        self.ships.len()
+    }
+
+    /// Delays of targets, widened by those of ships, s.
+    pub(super) fn with_ships(
+        &self,
+        span_s: Option<(f64, f64)>,
+        emission: &Emission,
+        elapsed_s: f64,
+    ) -> Option<(f64, f64)> {
+        self.ship_spans_s(emission, elapsed_s).fold(span_s, |span_s, [least, most]| {
+            Some(span_s.map_or((least, most), |(a, b)| (least.min(a), most.max(b))))
+        })
+    }
+
+    /// Bounds on the delays of every ship over every pair, s.
+    fn ship_spans_s(&self, emission: &Emission, elapsed_s: f64) -> impl Iterator<Item = [f64; 2]> {
+        self.ships.extents(&self.frame, elapsed_s).flat_map(move |(midship_m, radius_m)| {
+            self.ends().into_iter().map(move |ends| {
+                let leg_m = |end: usize| (emission.centres[end].position.raw() - midship_m).length();
+                let (straight_m, slack_m) = (ends.into_iter().map(leg_m).sum::<f64>(), 4.0 * radius_m);
+                [straight_m - slack_m, straight_m + slack_m]
+                    .map(|length_m| length_m.max(0.0) / SPEED_OF_LIGHT_MPS)
+            })
+        })
+    }
+
+    /// Whether what a ship returns of an emission lies partly or wholly outside the window.
+    pub(super) fn ships_reach_outside(
+        &self,
+        emitted: u64,
+        reception: &Reception,
+    ) -> Result<bool, RadarError> {
+        let Reception { emission, elapsed_s, offset_s, tx_pol, window, .. } = *reception;
+        let mut spans_s = self.ship_spans_s(emission, elapsed_s).flatten();
+        if spans_s.all(|delay_s| window.holds(offset_s + delay_s)) {
+            return Ok(false);
+        }
+        let mut weights = Vec::new();
+        self.ship_weights(emitted, elapsed_s, &mut weights)?;
+        let (ends, mut outside) = (self.ends(), false);
+        let scenery = Scenery { centres: &emission.centres, frame: &self.frame, elapsed_s };
+        self.ships.visit(&scenery, &ends, TAU / self.radar.wavelength_m(), |found| {
+            let Echoing { element, pair, path, at, matrix } = found;
+            let plan = &self.plans[pair];
+            outside |= !window.holds(offset_s + path.delay_s)
+                && matrix.is_some()
+                && plan.receives(tx_pol)
+                && weights[element * ends.len() + pair] > 0.0
+                && self.passes_horizon_of_ship(plan, emission, at) > 0.0;
+            !outside
+        });
+        Ok(outside)
+    }
+
+    /// Antennas of every pair, transmitters first.
+    fn ends(&self) -> Vec<[usize; 2]> {
+        let transmitters = self.radar.transmitters.len();
+        self.pairs.iter().map(|pair| [pair.transmitter, transmitters + pair.receiver]).collect()
+    }
+
+    /// Appends what every element of ships returns by itself, whether it is received or not.
+    pub(super) fn append_every_panel(
+        &self,
+        reception: &Reception,
+        amplitude: &mut [Complex64],
+        paths: &mut ScattererPaths,
+    ) {
+        self.visit_panels(
+            reception,
+            |_, _| 1.0,
+            amplitude,
+            |of_pairs, amplitude| {
+                paths.push(reception.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
+            },
+        );
+    }
+
+    /// Appends the panels of ships of one emission.
+    pub(super) fn append_ships(
+        &self,
+        emitted: u64,
+        reception: &Reception,
+        amplitude: &mut [Complex64],
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
+        if self.ships.is_empty() {
+            return Ok(());
+        }
+        let mut weights = Vec::with_capacity(self.ships.len() * self.pairs.len());
+        self.ship_weights(emitted, reception.elapsed_s, &mut weights)?;
+        let weight = |element: usize, pair: usize| weights[element * self.pairs.len() + pair];
+        self.visit_panels(reception, weight, amplitude, |of_pairs, amplitude| {
+            if amplitude.iter().any(|a| *a != Complex64::ZERO) {
+                paths.push(reception.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
+            }
+        });
+        Ok(())
+    }
+
+    /// Leaves out panels of ships that return nothing in some pulses: dark at all `nodes`, or hidden in all
+    /// pulses, whose `factors` are `[pulse][point][pair]`.
+    pub fn leave_out_dark(&self, nodes: &mut [ScattererPaths], factors: &mut Vec<f64>, pulses: usize) {
+        let (points, pairs) = (self.point_count(), self.pairs.len());
+        let Some(stride) = (points * pairs).checked_mul(pulses).filter(|count| *count == factors.len())
+        else {
+            return;
+        };
+        if self.ships.is_empty() || stride == 0 {
+            return;
+        }
+        let first = points - self.ships.len();
+        let lit = |n: usize| {
+            nodes.iter().any(|node| node.amplitude.iter().any(|column| column[n] != Complex64::ZERO))
+        };
+        let seen = |n: usize| {
+            let of = n * pairs..(n + 1) * pairs;
+            factors
+                .chunks_exact(points * pairs)
+                .any(|row| row[of.clone()].iter().any(|factor| *factor != 0.0))
+        };
+        let kept: Vec<usize> = (0..points).filter(|n| *n < first || (lit(*n) && seen(*n))).collect();
+        nodes.iter_mut().for_each(|node| node.keep(&kept));
+        let mut to = 0;
+        for pulse in 0..pulses {
+            for n in &kept {
+                let from = (pulse * points + n) * pairs;
+                factors.copy_within(from..from + pairs, to);
+                to += pairs;
+            }
+        }
+        factors.truncate(to);
+    }
+
+    /// Hands over the paths of every element, by pair, and its amplitudes, by channel.
+    fn visit_panels(
+        &self,
+        reception: &Reception,
+        weight: impl Fn(usize, usize) -> f64,
+        amplitude: &mut [Complex64],
+        mut each: impl FnMut(&[Path], &[Complex64]),
+    ) {
+        if self.ships.is_empty() {
+            return;
+        }
+        let Reception { emission, elapsed_s, offset_s, tx_pol, window, .. } = *reception;
+        let scenery = Scenery { centres: &emission.centres, frame: &self.frame, elapsed_s };
+        let (ends, wave_number_rad_m) = (self.ends(), TAU / self.radar.wavelength_m());
+        let mut of_pairs: Vec<Path> = Vec::with_capacity(ends.len());
+        self.ships.visit(&scenery, &ends, wave_number_rad_m, |found| {
+            let Echoing { element, pair, path, at, matrix } = found;
+            if pair == 0 {
+                of_pairs.clear();
+                amplitude.fill(Complex64::ZERO);
+            }
+            of_pairs.push(path);
+            let plan = &self.plans[pair];
+            if let Some(matrix) = matrix.filter(|_| plan.receives(tx_pol)) {
+                let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
+                let scale = weight(element, pair)
+                    * plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s))
+                    * self.passes_horizon_of_ship(plan, emission, at);
+                if scale != 0.0 && window.touches(offset_s + path.delay_s) {
+                    self.amplitudes(plan, (&path, None), Some(&matrix), scale, tx_pol, emission, amplitude);
+                }
+            }
+            if pair + 1 == ends.len() {
+                each(&of_pairs, amplitude);
+            }
+            true
+        });
+    }
+
+    /// Appends the share of the field of every element and pair that passes what hides it.
+    pub(super) fn ship_weights(
+        &self,
+        index: u64,
+        elapsed_s: f64,
+        out: &mut Vec<f64>,
+    ) -> Result<(), RadarError> {
+        let centre = |antenna: usize, time_s: f64| {
+            let Some((_, mount)) = mounts(&self.radar).nth(antenna) else {
+                return Ok(PhaseCentre::at_rest(crate::frames::Point::from_raw(DVec3::ZERO)));
+            };
+            let (platform, which) = (mount.platform, TrackUse::Truth);
+            let state = self.tracks[platform].truth.state(self.start.plus(time_s));
+            let state = state.map_err(|source| TrackFailure { platform, which, source })?;
+            Ok(PhaseCentre::of(&state, mount.lever_arm))
+        };
+        self.ships
+            .weights(&self.frame, elapsed_s, &self.ends(), centre, out)
+            .map_err(|failure: TrackFailure| self.track_error(index, failure))
+    }
+}

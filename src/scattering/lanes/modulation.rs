@@ -1,0 +1,106 @@
+//! Modulation of short waves side by side: [`modulation`](crate::scattering::modulation) in f32.
+
+use super::{Batch, Tilt, exponential, lanes_for};
+use crate::geometry::lanes::{GROUP, group, group_mut, groups, lane};
+use crate::scattering::modulation::TiltBias;
+use crate::sea::surface::modulation::{MOST, Strength, TINY};
+
+/// Both, in f32.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneModulation {
+    covariance: [[f32; 3]; 3],
+    bias: [[f32; 3]; 2],
+}
+
+impl LaneModulation {
+    pub(in crate::scattering) fn new(strength: &Strength, bias: &TiltBias) -> Self {
+        let round = |row: [f64; 3]| row.map(|c| c as f32);
+        Self { covariance: strength.covariance.map(round), bias: bias.of.map(round) }
+    }
+}
+
+/// `e^x` for `|x| <= 4`: a few roundings more than that of negative numbers.
+#[inline(always)]
+fn exponential_both(x: f32) -> f32 {
+    const LIFT: f32 = 4.0;
+    exponential(x - LIFT) * 54.598_15
+}
+
+#[inline(always)]
+fn times(row: &[f32; 3], look: [f32; 3]) -> f32 {
+    row[0] * look[0] + row[1] * look[1] + row[2] * look[2]
+}
+
+#[inline(always)]
+fn look_of(x: f32, y: f32) -> [f32; 3] {
+    let scale = 1.0 / (x * x + y * y + TINY as f32);
+    [x * x * scale, y * y * scale, 2.0 * x * y * scale]
+}
+
+impl Batch {
+    /// Factors on the density of Bragg waves, and what weights of sub-facets tend to.
+    #[inline(always)]
+    pub(super) fn modulate(&mut self, of: &LaneModulation, axis: [f32; 2]) {
+        const ROOT_3: f32 = 1.732_050_8;
+        let most = MOST as f32;
+        for g in 0..lanes_for(self.count) / GROUP {
+            let (incident, scattered) = (groups(&self.incident, g), groups(&self.scattered, g));
+            let tensor = groups(&self.strain, g);
+            let (mut raise, mut bias) = ([0.0f32; GROUP], [[0.0f32; GROUP]; 2]);
+            for i in 0..GROUP {
+                let (ki, ks) = (lane(&incident, i), lane(&scattered, i));
+                let q = [ks[0] - ki[0], ks[1] - ki[1]];
+                let look = look_of(q[0], q[1]);
+                let variance = times(
+                    &[
+                        times(&of.covariance[0], look),
+                        times(&of.covariance[1], look),
+                        times(&of.covariance[2], look),
+                    ],
+                    look,
+                );
+                let m = times(&lane(&tensor, i), look) - 0.5 * variance;
+                // On the axes of the wind.
+                let turned = look_of(axis[0] * q[0] + axis[1] * q[1], axis[0] * q[1] - axis[1] * q[0]);
+                let mut norm = 1.0;
+                for (own, row) in bias.iter_mut().zip(&of.bias) {
+                    let bias = times(row, turned).clamp(-1.0, 1.0);
+                    let up = exponential_both(ROOT_3 * bias);
+                    norm *= 2.0 / 3.0 + (up + 1.0 / up) / 6.0;
+                    own[i] = bias;
+                }
+                raise[i] = exponential_both(m.clamp(-most, most)) / norm;
+            }
+            *group_mut(&mut self.raise, g) = raise;
+            for (to, from) in self.bias.iter_mut().zip(bias) {
+                *group_mut(to, g) = from;
+            }
+        }
+    }
+
+    /// The share of a sub-facet that waves tilt.
+    #[inline(always)]
+    pub(super) fn lean(&mut self, [up, across, _]: Tilt) {
+        for g in 0..lanes_for(self.count) / GROUP {
+            let (along, cross) = (group(&self.bias[0], g), group(&self.bias[1], g));
+            let mut gain = group(&self.gain, g);
+            for i in 0..GROUP {
+                // The root of a weight is an amplitude.
+                gain[i] *= exponential_both(0.5 * (along[i] * up + cross[i] * across));
+            }
+            *group_mut(&mut self.gain, g) = gain;
+        }
+    }
+
+    /// The density at hand, modulated.
+    #[inline(always)]
+    pub(super) fn raise_modulated(&mut self) {
+        for g in 0..lanes_for(self.count) / GROUP {
+            let (raise, mut density) = (group(&self.raise, g), group(&self.density, g));
+            for i in 0..GROUP {
+                density[i] *= raise[i];
+            }
+            *group_mut(&mut self.density, g) = density;
+        }
+    }
+}
