@@ -1,7 +1,7 @@
 //! What pieces of work take on this machine: a short calibration for the prediction of speed.
 //!
 //! All workers of a stream make blocks at once, each at its own pace, with other settings than those planned
-//! (nodes half as far apart); what each stage took over what the price list says scales the prices of that
+//! (nodes half as far apart); what each stage took over what the cost table has scales the costs of that
 //! stage. Every worker makes [`ROUNDS`] blocks that count, and one before, for its memory. Blocks are from
 //! the whole run, so their mean counts and not their median: a run may cost more at one end than at the
 //! other. Where the patch follows they are the first ones, one after the other, for neighbours share updates
@@ -24,14 +24,14 @@ use crate::pulse::costs::{Costs, Stage};
 
 /// Blocks of a worker that count.
 pub const ROUNDS: usize = 5;
-/// Stages with prices.
+/// Stages with costs.
 const PRICED: [Stage; 6] =
     [Stage::Surface, Stage::Shadow, Stage::ScattererPaths, Stage::Spread, Stage::Transform, Stage::Receive];
 
 /// Speed as predicted.
 #[derive(Clone, Copy, Debug)]
 pub struct Calibrated {
-    /// Real-time factor by the prices of a common machine.
+    /// Real-time factor by the costs of a common machine.
     pub list_factor: f64,
     /// Real-time factor as calibrated on this one.
     pub factor: f64,
@@ -80,7 +80,7 @@ impl PulseStream {
         }))
     }
 
-    /// Prices of this machine.
+    /// Costs of this machine.
     fn cost_table(&self, plan: &Plan) -> Result<CostTable, BuildErrors> {
         let chosen = EchoSettings { node_pulses: (plan.chosen.node_pulses / 2).max(2), ..plan.chosen };
         let interpolates = plan.work.0[10] == 0.0;
@@ -132,7 +132,7 @@ impl PulseStream {
             let found = match stage {
                 // Single pulses from all over the run make updates that would serve many of their neighbours.
                 Stage::Shadow if !interpolates => continue,
-                // Exact scatterer paths have their surface in their price.
+                // Exact scatterer paths have their surface in their cost.
                 Stage::ScattererPaths if !interpolates => mean(n) + mean(0),
                 _ => mean(n),
             };

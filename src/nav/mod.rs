@@ -78,7 +78,7 @@ pub enum TrackSource {
     },
     /// A recorded track.
     File(FileSource),
-    /// What a receiver says while the run goes on.
+    /// What a receiver reports while the run goes on.
     Live(LiveSource),
 }
 
@@ -185,7 +185,7 @@ pub struct Fix {
     pub velocity_mps: Option<[f64; 2]>,
     /// Velocity upward, m/s, if the source has it.
     pub climb_mps: Option<f64>,
-    /// What the source says of its own accuracy.
+    /// The accuracy that the source states.
     pub sigma: Sigma,
 }
 

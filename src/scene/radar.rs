@@ -374,7 +374,7 @@ pub enum Aim {
 /// Which trajectory a servo or a receive window acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AimFrom {
-    /// What the platform says.
+    /// What the platform reports.
     Reported,
     /// Where the platform is.
     True,

@@ -1,6 +1,6 @@
 //! The sea of a scene: the water, the patch of it that is modelled, how it scatters, what floats on it.
 //!
-//! Plain settings; the rooms `sea`, `scattering`, `geometry` and `radar` know what they mean.
+//! Plain settings; the modules `sea`, `scattering`, `geometry` and `radar` know what they mean.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ pub struct Sea {
     /// How the spectrum is drawn, and where from.
     pub realisation: Realisation,
     /// The facets that are modelled. Of a patch that follows, only their number and size: where they are, its
-    /// aim says.
+    /// aim of the receiver has it.
     pub patch: Patch,
     /// Whether they stay.
     pub place: PatchPlace,

@@ -1,6 +1,6 @@
 //! The water, as described: wind, spectrum, swell, depth, temperature, salinity.
 //!
-//! Plain settings; the room `sea` knows what they mean and checks their ranges.
+//! Plain settings; the module `sea` knows what they mean and checks their ranges.
 
 use std::path::PathBuf;
 
@@ -153,7 +153,7 @@ pub enum SwellShape {
     },
 }
 
-/// How waves travel: deep-water gravity waves unless said otherwise.
+/// How waves travel: deep-water gravity waves by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dispersion {
     /// Whether surface tension counts (km = 370 rad/m).

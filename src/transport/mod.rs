@@ -45,7 +45,7 @@ pub enum StreamError {
     Thread {
         /// Its name.
         thread: String,
-        /// What the system said.
+        /// The system's error.
         kind: std::io::ErrorKind,
     },
 }

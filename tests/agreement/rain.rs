@@ -61,8 +61,8 @@ fn sinc(x: f64) -> f64 {
 
 #[test]
 fn a_beam_in_rain_returns_what_the_radar_equation_asks() {
-    // All of the beam lies between the sea and the top: dP = P lambda^2 G^2 eta/((4 pi)^3 R^2) dR dOmega, over
-    // the direction cosines up to the first nulls, where dOmega = du dv/w.
+    // All of the beam lies between the sea and the top: dP = P lambda^2 G^2 eta/((4 pi)^3 R^2) dR dOmega,
+    // over the direction cosines up to the first nulls, where dOmega = du dv/w.
     let (width_m, height_m) = (1.2, 0.6);
     let peak = 4.0 * PI * width_m * height_m / WAVELENGTH_M.powi(2);
     let (null_u, null_v) = (WAVELENGTH_M / width_m, WAVELENGTH_M / height_m);
@@ -101,8 +101,8 @@ fn uniform(n: u32, roots: [f64; 3]) -> [f64; 3] {
 
 #[test]
 fn both_ends_apart_see_a_dipole_in_a_shell() {
-    // Isotropic antennas 3 km apart: an integral over the space under the top, with the ports along horizontal
-    // vectors and what completes them.
+    // Isotropic antennas 3 km apart: an integral over the space under the top, with the ports along
+    // horizontal vectors and what completes them.
     let settings = [
         (
             "platform",
@@ -165,7 +165,8 @@ fn nothing_of_the_other_polarisation_comes_back() {
 
 #[test]
 fn velocities_are_those_of_wind_fall_and_turbulence() {
-    // A narrow beam: along it the fall, -3.8 Z^(1/14), by the sine of 20 degrees; without a sea there is no wind.
+    // A narrow beam: along it the fall, -3.8 Z^(1/14), by the sine of 20 degrees; without a sea there is no
+    // wind.
     let fall_mps = 3.8 * (200.0 * 10f64.powf(1.6)).powf(1.0 / 14.0);
     let narrow = [
         ("transmitter.0.antenna", "{ kind = \"rectangle\", width_m = 6.0, height_m = 6.0 }"),
