@@ -91,6 +91,7 @@ fn list(path: &std::path::Path, faults: &[Fault]) -> String {
 
 /// Where a value was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum At {
     /// In the scenario, lines and columns from 1.
     File {
@@ -395,6 +396,7 @@ pub enum Problem {
 
 /// What may have been meant by an unknown key.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Hint {
     /// No idea; the keys there are.
     Known(String),

@@ -59,6 +59,7 @@ pub use replay::load;
 
 /// A source of one trajectory.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum TrackSource {
     /// Stays where it is.
     Fixed {
@@ -113,6 +114,7 @@ pub struct FileSource {
 
 /// Format of a track file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FileFormat {
     /// Documented columns, see `nav::csv`.
     Csv,
@@ -129,6 +131,7 @@ pub enum FileFormat {
 
 /// What heights are measured from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum VerticalDatum {
     /// WGS-84 ellipsoid.
     Ellipsoid,
@@ -143,6 +146,7 @@ pub enum VerticalDatum {
 
 /// How fixes become a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Smoothing {
     /// Fixes are taken as exact.
     Off,
@@ -159,6 +163,7 @@ pub enum Smoothing {
 
 /// Where the attitude of a recorded track comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum AttitudeSource {
     /// As recorded where the fixes have an attitude, otherwise derived as [`Self::CoordinatedTurn`].
     Automatic,

@@ -103,6 +103,7 @@ impl Default for ErrorModel {
 
 /// Which trajectory a track is. Either way the error is the report less the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Recorded {
     /// What happened: errors are added to the report.
     Truth,
@@ -112,6 +113,7 @@ pub enum Recorded {
 
 /// What a consumer does with a report that is not of this very instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Between {
     /// Moves the position on with the reported velocity; the attitude is held.
     Extrapolate,

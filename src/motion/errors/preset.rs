@@ -25,6 +25,7 @@ const TAU_S: f64 = 100.0;
 
 /// A class of navigation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Class {
     /// Satellites, standard positioning service.
     Sps,

@@ -61,6 +61,7 @@ const LAST_MESSAGES: Duration = Duration::from_secs(1);
 
 /// What messages hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Messages {
     /// The samples of a channel, a port for each.
     Samples,
