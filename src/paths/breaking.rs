@@ -156,18 +156,18 @@ impl BreakingPlan {
         Ok(found)
     }
 
-    /// Hands over what breaks on a patch at a time after pulse 0.
+    /// Hands over what is alive on a patch at any instant between two times after pulse 0.
     pub fn each(
         &self,
         patch: &Patch,
-        elapsed_s: f64,
+        [from_s, to_s]: [f64; 2],
         mut each: impl FnMut(&Riding),
     ) -> Result<(), SurfaceError> {
         let slot = |time_s: f64| (time_s / SLOT_S).floor() as i64;
         let (life_s, _) = self.law.reach();
-        for slot in slot(elapsed_s - life_s)..=slot(elapsed_s) {
+        for slot in slot(from_s - life_s)..=slot(to_s) {
             let riding = self.slot(slot, patch)?;
-            riding.iter().filter(|riding| riding.breaker.envelope(elapsed_s) > 0.0).for_each(&mut each);
+            riding.iter().filter(|riding| riding.breaker.lives(from_s, to_s)).for_each(&mut each);
         }
         Ok(())
     }

@@ -110,7 +110,7 @@ mod partition;
 mod patch_run;
 mod phasors;
 pub mod snapshot;
-mod spikes;
+pub mod spikes;
 mod survey;
 pub mod block;
 mod truth;
@@ -215,6 +215,9 @@ pub struct PathGenerator {
 pub struct Workspace {
     own: Emission,
     other: Emission,
+    /// Of a stretch of pulses.
+    emissions: Vec<Emission>,
+    elapsed_s: Vec<f64>,
     amplitude: Vec<Complex64>,
     sea: Option<SeaWork>,
     /// Of antennas.
@@ -382,7 +385,16 @@ impl PathGenerator {
         // first asked for.
         let costs = Costs::default();
         let [own, other] = [(); 2].map(|()| Emission::default());
-        Workspace { own, other, amplitude, sea: None, places: Vec::new(), costs }
+        Workspace {
+            own,
+            other,
+            emissions: Vec::new(),
+            elapsed_s: Vec::new(),
+            amplitude,
+            sea: None,
+            places: Vec::new(),
+            costs,
+        }
     }
 
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,

@@ -44,10 +44,12 @@ pub(super) struct Job<'a, T: Scalar> {
     pub amplitude_first: i32,
     /// What multiplies the amplitudes, `[pulse of the share][path]`; empty where nothing does.
     pub factors: &'a [T],
-    /// The same where it also turns them, `[pulse of the share][real, imaginary][path]`; empty where not.
-    pub turned: &'a [T],
-    /// Numbers from the factors of one pulse to the next, and from real to imaginary parts.
+    /// Numbers from the factors of one pulse to the next.
     pub factor_stride: usize,
+    /// What turns the amplitudes, `[pulse of the share][real, imaginary][path]`; empty where nothing does.
+    pub turned: &'a [T],
+    /// Numbers from real to imaginary parts, and from these to the next pulse.
+    pub turned_stride: usize,
     /// Kernel coefficients, `[tap][part][term]`.
     pub coefficients: &'a [[[T; MAX_TERMS]; 2]],
     /// Last first cell that is in reach of the window.
@@ -144,10 +146,11 @@ impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUS
         let (from, count) = (part.start, part.len());
         for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
             place::<T, FUSED, W>(job, from, count, job.first.wrapping_add(pulse as i32), *shift, passes);
-            let turned = |part: usize| job.turned.get((2 * pulse + part) * job.factor_stride + from..);
+            let turned = |part: usize| job.turned.get((2 * pulse + part) * job.turned_stride + from..);
             if let (false, Some(re), Some(im)) = (job.turned.is_empty(), turned(0), turned(1)) {
                 turn(re, im, &mut passes.cos[..count], &mut passes.sin[..count]);
-            } else if let Some(factors) = job.factors.get(pulse * job.factor_stride + from..) {
+            }
+            if let Some(factors) = job.factors.get(pulse * job.factor_stride + from..) {
                 weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
             }
         }

@@ -51,7 +51,7 @@ impl Shape {
 
 /// Whether the field gain of an antenna is a real number everywhere, so that it can be kept apart from the
 /// amplitude.
-pub(super) fn is_real(antenna: &Antenna) -> bool {
+pub(in crate::paths) fn is_real(antenna: &Antenna) -> bool {
     !matches!(antenna, Antenna::Grid(_))
 }
 

@@ -58,6 +58,7 @@ use crate::sea::facet_surface::FacetSurface;
 use crate::sea::surface::{Fields, Selection};
 
 use epoch::View;
+pub(super) use gain::is_real;
 pub use instants::{
     EPOCH_POINTS, EPOCHS, EPOCHS_PER_NODE, GAIN_POINTS, Instants, NODES, SIDELOBE_NODES, Sidelobe, Tier,
     Tiers, epochs_about, gain_instants, gain_step, gain_weights, nodes_within, sidelobe_gain_pulses,
@@ -65,7 +66,7 @@ pub use instants::{
 use phasors::Phasors;
 use runs::{Cut, Run};
 use shadows::{Heights, Maker, ShadowWeights};
-pub use tile::{CHANNELS_PER_LAYER, Epoch, FEW, Layer, Node, Pair, Tile, lanes_of};
+pub use tile::{CHANNELS_PER_LAYER, Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of};
 use timing::Timings;
 use travelling::{Part, Specular};
 

@@ -58,6 +58,8 @@ pub enum Pair {
     Stretch,
     /// Gradient of the displacement, xy, alone.
     StretchShear,
+    /// Modulation, xy, and gradient of the displacement, xy.
+    Shears,
 }
 
 /// Rows of the wave-number plane that are transformed before they are written transposed: one cache line
@@ -325,6 +327,16 @@ impl<T: Real> Row<'_, T> {
             Pair::Stretch => self.multiply(h, out, |ky, _, excursion| {
                 (-(self.kx * self.kx * excursion), -(ky * ky * excursion))
             }),
+            Pair::Shears => {
+                self.modulate(h, g, out, |ky| (self.kx * ky, zero));
+                let n = out.len();
+                let (h, ky, excursion) = (&h[..n], &self.ky[..n], &self.excursion[..n]);
+                for j in 0..n {
+                    // j times what follows.
+                    let stretch = self.kx * ky[j] * excursion[j];
+                    out[j] = Complex::new(out[j].re + stretch * h[j].im, out[j].im - stretch * h[j].re);
+                }
+            }
             // -Kx Ky q/K H
             Pair::StretchShear => {
                 self.multiply(h, out, |ky, _, excursion| (-(self.kx * ky * excursion), zero))
