@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     from .scenario import Scenario
 
-#: Pulses that are tried to measure the price of one, unless they take longer than TRIAL_S: several blocks of
+#: Pulses that are tried to measure the cost of one, unless they take longer than TRIAL_S: several blocks of
 #: a fast scenario.
 TRIAL, TRIAL_S = 256, 10.0
 #: A shard that takes this many times what was measured, and this many seconds, is given up.

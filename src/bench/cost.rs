@@ -25,7 +25,7 @@ use crate::pulse::costs::{Costs, Stage};
 /// Blocks of a worker that count.
 pub const ROUNDS: usize = 5;
 /// Stages with costs.
-const PRICED: [Stage; 6] =
+const COSTED: [Stage; 6] =
     [Stage::Surface, Stage::Shadow, Stage::ScattererPaths, Stage::Spread, Stage::Transform, Stage::Receive];
 
 /// Speed as predicted.
@@ -36,7 +36,7 @@ pub struct Calibrated {
     /// Real-time factor as calibrated on this one.
     pub factor: f64,
     /// Seconds of one worker for a pulse, calibrated; records go with receiving, filling with spreading.
-    pub stages_s: [(Stage, f64); PRICED.len()],
+    pub stages_s: [(Stage, f64); COSTED.len()],
 }
 
 impl PulseFactory {
@@ -69,14 +69,14 @@ impl PulseStream {
         let cost_table = self.cost_table(plan)?;
         let prf_hz = self.schedule().times.mean_prf_hz();
         let pulses = self.schedule().count;
-        // A run shorter than a block is priced as it is.
+        // A run shorter than a block is taken as it is.
         let block = self.factory().block_pulses().min(pulses);
         let workers = busy_workers(pulses, block, self.threads() as u64);
         let factor = |cost_table: CostTable| workers / cost_table.seconds(&plan.work) / prf_hz;
         Ok(Some(Calibrated {
             list_factor: factor(CostTable::TABLE),
             factor: factor(cost_table),
-            stages_s: PRICED.map(|stage| (stage, cost_table.stage_seconds(&plan.work, stage))),
+            stages_s: COSTED.map(|stage| (stage, cost_table.stage_seconds(&plan.work, stage))),
         }))
     }
 
@@ -118,7 +118,7 @@ impl PulseStream {
                             factory.make(index, slot, work)?;
                         }
                         if round > 0 {
-                            spent.push(PRICED.map(|stage| per_pulse(work.costs(), stage)));
+                            spent.push(COSTED.map(|stage| per_pulse(work.costs(), stage)));
                         }
                     }
                     Ok(spent)
@@ -128,7 +128,7 @@ impl PulseStream {
         let spent = spent.concat();
         let mean = |n: usize| spent.iter().map(|stages| stages[n]).sum::<f64>() / spent.len().max(1) as f64;
         let mut cost_table = CostTable::TABLE;
-        for (n, stage) in PRICED.into_iter().enumerate() {
+        for (n, stage) in COSTED.into_iter().enumerate() {
             let found = match stage {
                 // Single pulses from all over the run make updates that would serve many of their neighbours.
                 Stage::Shadow if !interpolates => continue,

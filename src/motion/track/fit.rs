@@ -10,7 +10,7 @@
 //! the largest values (to 2 %) that keep it below: the vertical one until the vertical alone keeps half the
 //! bound, then the horizontal one until the whole does. The bound holds between the nodes as well: the
 //! acceleration of a segment stays inside the hull of its Bernstein control values, and those are what is
-//! compared. The [`FitReport`] states which of the two decided, and the residuals, which show the price; a
+//! compared. The [`FitReport`] states which of the two decided, and the residuals, which show the cost; a
 //! track that misses its fixes by more than [`MAX_MISFIT_SIGMAS`] standard deviations (rms) is refused, since
 //! a bound below what was really flown cuts corners.
 
