@@ -14,8 +14,8 @@ use nereus::receive::shm::{Next, ShmError, Subscriber};
 fn main() -> Result<(), ShmError> {
     let mut arguments = std::env::args().skip(1);
     let service = arguments.next().unwrap_or_else(|| "nereus".to_owned());
-    let patience_s = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(60);
-    let mut subscriber = Subscriber::open(&service, Duration::from_secs(patience_s))?;
+    let timeout_s = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(60);
+    let mut subscriber = Subscriber::open(&service, Duration::from_secs(timeout_s))?;
     let mut power_w = 0.0;
     let end = loop {
         match subscriber.next(Duration::from_secs(2))? {

@@ -248,8 +248,8 @@ def show(s):
         print(f"  /{name} {shape}" + (f": {words['unit']}, {words['axes']}" if words else ""))
 
 
-def follow(rec, patience_s):
-    """Prints a line when pulses have come; ends when none came for `patience_s`."""
+def follow(rec, timeout_s):
+    """Prints a line when pulses have come; ends when none came for `timeout_s`."""
     seen, last = 0, time.monotonic()
     while True:
         n = rec.refresh()
@@ -257,7 +257,7 @@ def follow(rec, patience_s):
             index = np.asarray(rec["pulse/index"][seen:n])
             print(f"{n} pulses, up to {int(index[-1])}", flush=True)
             seen, last = n, time.monotonic()
-        elif time.monotonic() - last > patience_s:
+        elif time.monotonic() - last > timeout_s:
             return
         time.sleep(0.1)
 
@@ -266,7 +266,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("recording")
     parser.add_argument("--follow", action="store_true", help="report pulses while the recording grows")
-    parser.add_argument("--patience-s", type=float, default=5.0, help="--follow ends after this silence")
+    parser.add_argument("--timeout-s", "--patience-s", type=float, default=5.0, help="--follow ends when no pulse came for so long")
     parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     args = parser.parse_args()
     if hasattr(signal, "SIGPIPE"):
@@ -274,7 +274,7 @@ def main():
     try:
         with open_recording(args.recording) as rec:
             if args.follow:
-                follow(rec, args.patience_s)
+                follow(rec, args.timeout_s)
             s = summary(rec)
     except (OSError, ValueError) as error:
         print(f"reader.py: {args.recording}: {error}", file=sys.stderr)

@@ -159,7 +159,7 @@ class Subscription(Iterator[SharedPulse]):
 
     @property
     def run(self) -> dict[str, Any]:
-        """What holds for the whole run: channels, rates, platforms. Empty before the run has said so."""
+        """What holds for the whole run: channels, rates, platforms. Empty until the run has sent it."""
         while (sample := self._runs.receive()) is not None:
             self._run = json.loads(bytes(sample.payload().as_memory_view()))
         return self._run or {}

@@ -129,7 +129,7 @@ pub fn misreports(points: &[Instant], platforms: &[String], log: &[Entry]) -> Ve
         for quantity in &QUANTITIES {
             let of = |point: &Instant| point.platforms.get(place).map(quantity.error);
             let total_of = |point: &Instant| of(point).map_or(0.0, size);
-            // What is no number is nowhere reported or true.
+            // What is no number is neither reported nor true.
             let Some(error) = lately
                 .clone()
                 .filter_map(of)

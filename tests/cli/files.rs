@@ -407,7 +407,7 @@ fn every_call_that_fails_is_reported_and_leaves_whole_pulses() {
             }
             at += if all || at < 4 { 1 } else { 1 + at / 5 };
         }
-        println!("{name}, stays {stays}: {runs} runs, {failed} failed and said so; {} calls", at - 1);
+        println!("{name}, stays {stays}: {runs} runs, {failed} failed with an error; {} calls", at - 1);
         assert!(runs > 5, "{name}: the library was not loaded");
     }
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));

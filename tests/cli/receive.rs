@@ -183,7 +183,7 @@ fn addresses_and_outputs_that_cannot_be_are_refused() {
         nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--json"]);
     let report: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
     assert_eq!((ended.code, &report["pulses"]), (0, &0.into()));
-    // Before: the text said that the stream was not sent in real time.
+    // Before: the text was that the stream was not sent in real time.
     let ended = nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1"]);
     assert!(ended.stdout.contains("lateness   not reported: nothing was received"), "{}", ended.stdout);
 }
@@ -256,8 +256,8 @@ fn further_recordings_follow_the_rule_of_outputs() {
     assert_eq!((&report["restarts"], &report["recorded"]), (&1.into(), &222.into()), "{report}");
     assert_eq!(report["out"], serde_json::json!([out]));
     assert!(there(out) && !there(second));
-    // What an earlier reception left is no part of this one: without --force it stands in the way, and is
-    // said so at once.
+    // What an earlier reception left is no part of this one: without --force it blocks the run, which is
+    // reported at once.
     fs::rename(folder.path().join(out), folder.path().join(second)).unwrap();
     let ended = nereus(
         folder.path(),

@@ -165,8 +165,8 @@ fn states_of_a_scene_are_turned_to_their_place() {
     assert!(between_rad(solution.yaw_pitch_roll_rad.unwrap(), [0.0; 3]) < 1e-12);
     assert!((solution.place.to_ecef() - there.to_ecef()).norm() < 1e-8);
     assert_eq!(solution.undulation_m, 30.0);
-    let nowhere = SceneFrame::plain(Earth::Flat);
-    assert!(Solution::of_scene(&nowhere, TimeTag::default(), place, north, attitude).is_none());
+    let plain = SceneFrame::plain(Earth::Flat);
+    assert!(Solution::of_scene(&plain, TimeTag::default(), place, north, attitude).is_none());
 }
 
 #[test]

@@ -156,7 +156,7 @@ fn the_reader_program_follows_a_run() {
             .arg("-B")
             .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/python/nereus/reader.py"))
             .arg(&path)
-            .args(["--follow", "--patience-s", "1.5"])
+            .args(["--follow", "--timeout-s", "1.5"])
             .output()
             .unwrap();
         assert!(writer.wait().unwrap().success());

@@ -123,8 +123,8 @@ fn faults_of_live_navigation_are_reported_together() {
     stream.policy: "slip" is not allowed beside live navigation; allowed: "stop", "drop"
     "#);
     // In a scene that is not georeferenced.
-    let nowhere = faults_of(&[("platform.1.track", "{ kind = 'live', source = '' }")]);
-    insta::assert_snapshot!(nowhere, @r#"
+    let plain = faults_of(&[("platform.1.track", "{ kind = 'live', source = '' }")]);
+    insta::assert_snapshot!(plain, @r#"
     scene.start_utc: is missing; required with live navigation: "live", or the UTC time at which pulse 0 leaves
     platform.1.track.source: live navigation needs scene.origin_lat_deg, origin_lon_deg and origin_h_m
     platform.1.track.source: "" is not allowed; allowed: the path of a serial port, tcp://ADDRESS:PORT, tcp-listen://ADDRESS:PORT or udp://ADDRESS:PORT such as udp://127.0.0.1:5001, or file:PATH (relative to the scenario file)

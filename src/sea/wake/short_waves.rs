@@ -216,7 +216,7 @@ impl ShortWaves {
     /// Their spectrum, m^4, at a distance astern and to starboard of midship, m, for a wave vector ahead and
     /// to port, rad/m. Zero where a window of a facet's size is over.
     pub fn psi_m4(&self, [astern_m, starboard_m]: [f64; 2], [ahead_radpm, port_radpm]: [f64; 2]) -> f64 {
-        // Numbers that are none are nowhere.
+        // What is no number is at no place.
         if self.is_empty() || astern_m.is_nan() || astern_m <= -self.half_m || !starboard_m.is_finite() {
             return 0.0;
         }
