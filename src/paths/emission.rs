@@ -138,6 +138,39 @@ impl Emission {
         t: TimeTag,
         elapsed_s: f64,
     ) -> Result<(), TrackFailure> {
+        self.stand(of, t)?;
+        self.paths.clear();
+        let transmitters = of.radar.transmitters.len();
+        for number in 0..of.targets.len() {
+            let (position, velocity) = of.target(number, elapsed_s);
+            for pair in of.pairs {
+                let tx = &self.centres[pair.transmitter];
+                let rx = &self.centres[transmitters + pair.receiver];
+                self.paths.push(bistatic(LightTime::Exact, tx, position, velocity, rx));
+            }
+        }
+        self.bounces.clear();
+        for (image, mirror) in of.images.iter().filter_map(|image| Some((image, of.mirror?))) {
+            let (position, velocity) = of.target(image.target, elapsed_s);
+            for pair in of.pairs {
+                let ends = [pair.transmitter, transmitters + pair.receiver].map(|end| &self.centres[end]);
+                let (path, bounce) = mirror.path(image, ends, position, velocity);
+                self.paths.push(path);
+                self.bounces.push(bounce);
+            }
+        }
+        if of.radar.direct_path {
+            for pair in of.pairs {
+                let tx = &self.centres[pair.transmitter];
+                let rx = &self.centres[transmitters + pair.receiver];
+                self.paths.push(direct(LightTime::Exact, tx, rx));
+            }
+        }
+        self.vary(of, index, elapsed_s, None)
+    }
+
+    /// Platforms, phase centres and axes at a time; what depends on them stays as it was.
+    pub fn stand(&mut self, of: &Circumstances, t: TimeTag) -> Result<(), TrackFailure> {
         self.states.clear();
         for (platform, tracks) in of.surroundings.tracks.iter().enumerate() {
             self.states.push(tracks.truth.state(t).map_err(failed(platform, TrackUse::Truth))?);
@@ -177,34 +210,7 @@ impl Emission {
             self.bases.push(basis);
             self.bases_change.push(basis_change);
         }
-        self.paths.clear();
-        let transmitters = of.radar.transmitters.len();
-        for number in 0..of.targets.len() {
-            let (position, velocity) = of.target(number, elapsed_s);
-            for pair in of.pairs {
-                let tx = &self.centres[pair.transmitter];
-                let rx = &self.centres[transmitters + pair.receiver];
-                self.paths.push(bistatic(LightTime::Exact, tx, position, velocity, rx));
-            }
-        }
-        self.bounces.clear();
-        for (image, mirror) in of.images.iter().filter_map(|image| Some((image, of.mirror?))) {
-            let (position, velocity) = of.target(image.target, elapsed_s);
-            for pair in of.pairs {
-                let ends = [pair.transmitter, transmitters + pair.receiver].map(|end| &self.centres[end]);
-                let (path, bounce) = mirror.path(image, ends, position, velocity);
-                self.paths.push(path);
-                self.bounces.push(bounce);
-            }
-        }
-        if of.radar.direct_path {
-            for pair in of.pairs {
-                let tx = &self.centres[pair.transmitter];
-                let rx = &self.centres[transmitters + pair.receiver];
-                self.paths.push(direct(LightTime::Exact, tx, rx));
-            }
-        }
-        self.vary(of, index, elapsed_s, None)
+        Ok(())
     }
 
     /// How the amplitudes of targets differ at an emission from their steady ones; with the most of a run in

@@ -93,7 +93,7 @@
 mod append;
 mod aspect;
 mod breaking;
-mod drops;
+pub mod drops;
 mod facets;
 mod heave;
 mod hidden;
@@ -357,6 +357,7 @@ impl PathGenerator {
         self.heaves = Arc::new(self.lifted_by(self.sea.as_deref()));
         self.hills = self.hidden_by(self.sea.as_deref()).map(Arc::new);
         self.ships = self.ships.renewed();
+        self.rain = self.rain.as_ref().map(RainPlan::renewed);
     }
 
     /// The pair of each channel.
@@ -410,7 +411,7 @@ impl PathGenerator {
         let in_window = self.emissions_in_window(index, &workspace.own, &window)?;
         workspace.costs.lap(Stage::Record);
         self.append_others(index, in_window.start..in_window.end.min(index), window, workspace, paths)?;
-        let Workspace { own, amplitude, sea, costs, places, .. } = &mut *workspace;
+        let Workspace { own, other, amplitude, sea, costs, places, .. } = &mut *workspace;
         let reception = self.reception(index, index, own, window);
         if self.append(&reception, amplitude, paths) || self.ships_reach_outside(index, &reception)? {
             record.flags |= flags::OUTSIDE_WINDOW;
@@ -419,8 +420,7 @@ impl PathGenerator {
         if in_window.contains(&index) {
             self.append_sea(index, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
         }
-        let rained = self.append_rain(&reception, (places, amplitude), paths);
-        rained.map_err(|failure| self.track_error(index, failure))?;
+        self.append_rain(index, &reception, (other, places, amplitude), paths)?;
         self.append_others(index, in_window.start.max(index + 1)..in_window.end, window, workspace, paths)?;
         workspace.costs.lap(Stage::ScattererPaths);
         Ok(())

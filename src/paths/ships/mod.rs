@@ -31,7 +31,7 @@ use body::Body;
 
 pub(super) use hulls::Hulls;
 pub(super) use motion::Seas;
-use sight::Knots;
+use sight::{Knots, Seen};
 
 use crate::frames::{Enu, Point, SceneFrame};
 use crate::geometry::light_time::Path;
@@ -45,7 +45,7 @@ const EVERY_S: f64 = 0.25;
 pub(super) type Matrix = [[Complex64; 2]; 2];
 
 /// The ships of a scene whose meshes echo.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Ships {
     bodies: Arc<[Body]>,
     knots: Arc<Knots>,
@@ -77,7 +77,7 @@ impl Ships {
         let meshed = ships.iter().filter(|ship| !ship.panels.is_empty());
         let bodies: Arc<[Body]> = meshed.map(|ship| Body::new(ship, seas)).collect();
         let elements = bodies.iter().map(|body| body.elements().len()).sum();
-        Self { bodies, knots: Arc::new(Knots::new(antennas)), elements }
+        Self { bodies, knots: Arc::new(Knots::new(antennas, elements)), elements }
     }
 
     /// The same, with what was found from other tracks forgotten.
@@ -161,16 +161,27 @@ impl Ships {
         if self.is_empty() {
             return Ok(());
         }
-        let (ends, share) = self.knots.about(&self.bodies, frame, elapsed_s, centre)?;
-        for element in 0..self.elements {
-            for [tx, rx] in pairs {
-                let [before, after] = ends
-                    .each_ref()
-                    .map(|seen| f64::from(u8::from(seen.has(*tx, element) && seen.has(*rx, element))));
-                out.push(before + share * (after - before));
+        let seen = |seen: &Seen, element: usize, [tx, rx]: [usize; 2]| {
+            f64::from(u8::from(seen.has(tx, element) && seen.has(rx, element)))
+        };
+        let ((number, share), first) = (Knots::before(elapsed_s), out.len());
+        self.knots.at(number, &self.bodies, frame, &centre, |before| {
+            let of = |element| pairs.iter().map(move |pair| seen(before, element, *pair));
+            out.extend((0..self.elements).flat_map(of));
+        })?;
+        self.knots.at(number + 1, &self.bodies, frame, &centre, |after| {
+            for (element, weights) in out[first..].chunks_exact_mut(pairs.len().max(1)).enumerate() {
+                for (weight, pair) in weights.iter_mut().zip(pairs) {
+                    *weight += share * (seen(after, element, *pair) - *weight);
+                }
             }
-        }
-        Ok(())
+        })
+    }
+}
+
+impl Default for Ships {
+    fn default() -> Self {
+        Self::new(&[], [0; 2], None)
     }
 }
 
