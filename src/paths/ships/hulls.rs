@@ -145,8 +145,8 @@ mod tests {
             name: "box".to_owned(),
             hull: HullGiven::Wigley { beam_m: 8.0, draught_m: 3.0 },
             length_m: Some(20.0),
-            // No line of sight runs along the edges of panels.
-            position_m: [3.013, -2.007],
+            // Lines of sight run along edges of panels.
+            position_m: [3.0, -2.0],
             heading_rad,
             speed_mps: 4.0,
             kelvin: None,
