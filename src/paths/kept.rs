@@ -78,6 +78,12 @@ impl<K: Copy + PartialEq, T> Kept<K, T> {
         }
     }
 
+    /// How many are kept.
+    #[cfg(test)]
+    pub fn len(&self) -> usize {
+        self.keys.lock().unwrap().0.iter().flatten().count()
+    }
+
     /// Where the thing of a key is or will be.
     fn place_for(&self, key: K) -> usize {
         let mut keys = self.keys.lock().unwrap_or_else(PoisonError::into_inner);
