@@ -133,6 +133,7 @@ use crate::paths::heave::Heave;
 use crate::paths::hidden::Hills;
 use crate::paths::list::ScattererPaths;
 use crate::paths::multipath::{Image, Mirror};
+use crate::paths::panels::ShipWork;
 use crate::paths::ships::Ships;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Pulse, flags};
@@ -185,7 +186,7 @@ pub struct PathGenerator {
     aspects: Vec<Option<Aspect>>,
     /// What lifts targets that float; empty where none does.
     heaves: Arc<Vec<Option<Heave>>>,
-    /// Land that hides targets.
+    /// Land that hides targets and ships.
     hills: Option<Arc<Hills>>,
     /// Paths of targets by the sea, and what reflects them; empty where nothing does.
     images: Vec<Image>,
@@ -199,6 +200,8 @@ pub struct PathGenerator {
     /// Transmitters first.
     antennas: Vec<Antenna>,
     pairs: Vec<Pair>,
+    /// Antennas of every pair.
+    ends: Vec<[usize; 2]>,
     plans: Vec<PairPlan>,
     channel_pairs: Vec<usize>,
     fastest_target_mps: f64,
@@ -216,6 +219,7 @@ pub struct Workspace {
     own: Emission,
     other: Emission,
     amplitude: Vec<Complex64>,
+    ships: ShipWork,
     sea: Option<SeaWork>,
     /// Of antennas.
     places: Vec<Point<Enu>>,
@@ -290,6 +294,10 @@ impl PathGenerator {
             pulse_length_s,
             tracks,
             antennas,
+            ends: pairs
+                .iter()
+                .map(|pair| [pair.transmitter, radar.transmitters.len() + pair.receiver])
+                .collect(),
             pairs,
             plans,
             channel_pairs,
@@ -383,7 +391,8 @@ impl PathGenerator {
         // first asked for.
         let costs = Costs::default();
         let [own, other] = [(); 2].map(|()| Emission::default());
-        Workspace { own, other, amplitude, sea: None, places: Vec::new(), costs }
+        let places = Vec::with_capacity(self.antennas.len());
+        Workspace { own, other, amplitude, ships: self.ship_work(), sea: None, places, costs }
     }
 
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,
@@ -411,12 +420,12 @@ impl PathGenerator {
         let in_window = self.emissions_in_window(index, &workspace.own, &window)?;
         workspace.costs.lap(Stage::Record);
         self.append_others(index, in_window.start..in_window.end.min(index), window, workspace, paths)?;
-        let Workspace { own, other, amplitude, sea, costs, places, .. } = &mut *workspace;
+        let Workspace { own, other, amplitude, ships, sea, costs, places } = &mut *workspace;
         let reception = self.reception(index, index, own, window);
-        if self.append(&reception, amplitude, paths) || self.ships_reach_outside(index, &reception)? {
+        if self.append(&reception, amplitude, paths) || self.ships_reach_outside(index, &reception, ships)? {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
-        self.append_ships(index, &reception, amplitude, paths)?;
+        self.append_ships(index, &reception, (ships, amplitude), paths)?;
         if in_window.contains(&index) {
             self.append_sea(index, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
         }
