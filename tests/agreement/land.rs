@@ -10,7 +10,7 @@ use nereus::pipeline::build;
 use nereus::pipeline::factory::factory_by;
 
 use crate::dem;
-use crate::runs::keeps_the_error;
+use crate::runs::{keeps_the_error, plan};
 
 const ISLAND: &str = include_str!("../data/scenarios/island.toml");
 pub const C_MPS: f64 = 299_792_458.0;
@@ -182,4 +182,21 @@ fn nothing_breaks_on_land() {
     };
     assert_eq!(count("whitecaps", 20.0), count("off", 20.0));
     assert!(count("whitecaps", -20.0) > count("off", -20.0));
+}
+
+/// Something strong behind the hill, as the aircraft sees it.
+const IN_THE_LEE: &str = "[{ name = \"mast\", position_m = [2070.0, 5.0, 1.0], rcs_m2 = 1e6 }]";
+
+#[test]
+fn what_land_hides_is_not_in_the_predicted_error() {
+    let fast = [FIXED, ("fidelity.echo", "\"fast\""), ("fidelity.error_db", "-60.0")];
+    let with = |target| scene(&[&fast[..], &[("target", target)]].concat(), hill);
+    let (without, hidden) = (plan(&scene(&fast, hill)), plan(&with(IN_THE_LEE)));
+    let [without_db, hidden_db] = [without, hidden].map(|plan| plan.prediction.total_db());
+    println!("predicted without {without_db:.2} dB, with what is hidden {hidden_db:.2} dB");
+    assert!((hidden_db - without_db).abs() < 0.1);
+    keeps_the_error("in the lee", &with(IN_THE_LEE));
+    // On the edge of the shadow, which moves over it.
+    let edge = "[{ name = \"mast\", position_m = [2070.0, 60.0, 9.0], velocity_mps = [0.0, 30.0, 0.0], rcs_m2 = 1e4 }]";
+    keeps_the_error("at the edge", &with(edge));
 }
