@@ -226,7 +226,7 @@ impl PathGenerator {
             Ok(PhaseCentre::of(&state, mount.lever_arm))
         };
         self.ships
-            .weights(&self.frame, elapsed_s, &self.ends, centre, out)
+            .weights((&self.frame, self.hills.as_deref()), elapsed_s, &self.ends, centre, out)
             .map_err(|failure: TrackFailure| self.track_error(index, failure))
     }
 }
