@@ -21,13 +21,13 @@
 //! | `m` | Smith's reduction with depth, and the mean across the beam | |
 //! | `w_r = 2 pi/T_r` | natural frequency of roll | rad/s |
 //!
-//! **From the paper**: moduli of `f`, `D`, `s`, `c`, and `C_B`, for heave and pitch. **Simplified here**: its phases, which
-//! the relative motion of water and box gives that leads to its moduli; Smith's reduction with `k` in place of
-//! `|k_x|` and the mean across the beam (the same in head seas; in beam seas of short waves the paper's heave
-//! does not vanish); damping of no less than a tenth where very broad boxes radiate nothing at resonance;
-//! roll, for which the paper has a law of its own, is one degree of freedom, driven by the mean slope across
-//! the beam. Its period, unless given, is `T_r = 2 C B/sqrt(GM)` with the `C` of the weather criterion of the
-//! IMO (2008 IS Code, part A, 2.3) and [`METACENTRIC_RATIO`] for `GM/B`.
+//! **From the paper**: moduli of `f`, `D`, `s`, `c`, and `C_B`, for heave and pitch. **Simplified here**: its
+//! phases, which the relative motion of water and box gives that leads to its moduli; Smith's reduction with
+//! `k` in place of `|k_x|` and the mean across the beam (the same in head seas; in beam seas of short waves
+//! the paper's heave does not vanish); damping of no less than a tenth where very broad boxes radiate nothing
+//! at resonance; roll, for which the paper has a law of its own, is one degree of freedom, driven by the mean
+//! slope across the beam. Its period, unless given, is `T_r = 2 C B/sqrt(GM)` with the `C` of the weather
+//! criterion of the IMO (2008 IS Code, part A, 2.3) and [`METACENTRIC_RATIO`] for `GM/B`.
 //!
 //! Source: Jensen, Mansour, Olsen, "Estimation of ship motions using closed-form expressions", Ocean
 //! Engineering 31 (2004) 61.

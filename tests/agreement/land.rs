@@ -78,8 +78,8 @@ fn a_plateau_returns_what_the_radar_equation_asks() {
     };
     let found = [0, 1, 2].map(returned);
     println!("HH, VV, HV over the radar equation: {found:?} dB");
-    // The law's fall-off at a grazing angle of 8 degrees is 0.09 dB; an isotropic antenna mixes the two by the
-    // few degrees between its vertical and that of the path.
+    // The law's fall-off at a grazing angle of 8 degrees is 0.09 dB; an isotropic antenna mixes the two by
+    // the few degrees between its vertical and that of the path.
     for (found, expected) in found.into_iter().zip([1.0, 0.0, -7.0]) {
         assert!((found - expected).abs() < 0.2, "{found} {expected}");
     }
@@ -91,8 +91,8 @@ fn a_plateau_returns_what_the_radar_equation_asks() {
 
 #[test]
 fn a_ridge_hides_the_sea_behind_it() {
-    // A ridge across the line of sight, 15 m high and 12 m wide at the top, 40 m before the middle. From 300 m
-    // its shadow on the sea is 15/285 of the distance: 103 m.
+    // A ridge across the line of sight, 15 m high and 12 m wide at the top, 40 m before the middle. From 300
+    // m its shadow on the sea is 15/285 of the distance: 103 m.
     let ridge = |[x, _]: [f64; 2]| if (x - 1960.0).abs() < 8.0 { 15.0 } else { -1.0 };
     let calm = [AT_REST, FIXED, ("sea.wind_mps", "3.0"), ("scene.patch_size_m", "[256.0, 64.0]")];
     let run = scene(&calm, ridge);

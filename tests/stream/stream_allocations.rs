@@ -105,7 +105,7 @@ fn counted_run() {
         let (view, mut onlooker) = view::view(16, &LAYOUT);
         run.view(view);
         let looking = std::thread::spawn(move || {
-            while onlooker.look(|_, _| {}) != view::Seen::Ended {
+            while onlooker.poll(|_, _| {}) != view::Seen::Ended {
                 std::thread::sleep(Duration::from_millis(1));
             }
         });
@@ -136,7 +136,7 @@ fn counted_pipeline() {
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let small = [set("scene.patch_size_m", "[24, 24]"), set("scene.duration_s", "6")];
     counted_scenario("sea.toml", &small, || true);
-    // Tiles that are in the sidelobes in some blocks only, while the beam passes.
+    // Sidelobe tiles in some blocks only, while the beam passes.
     let sidelobe = [
         set("scene.patch_size_m", "[64, 64]"),
         set("scene.duration_s", "6"),

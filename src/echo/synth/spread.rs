@@ -87,7 +87,7 @@ impl<T: Scalar, const W: usize> Passes<T, W> {
 /// Adds the job's scatterer paths to `grids`.
 ///
 /// The two steps are compiled apart, each a [`Task`] of its own: in one function they share the registers,
-/// and the sums wait for constants of the other step that are loaded anew for every scatterer path (a tenth
+/// and the sums wait for constants of the other step that are loaded again for every scatterer path (a tenth
 /// of the time).
 pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     variant: Variant,

@@ -11,8 +11,8 @@
 //! A facet of land has three random phases, by its global key: those of VV, of HH, and of both cross-polar
 //! entries ([`crate::scattering::land`]).
 //!
-//! **Limits.** Land is seen, and hides facets, within the patch alone; all of the raster hides targets. Nothing on
-//! it moves.
+//! **Limits.** Land is seen, and hides facets, within the patch alone; all of the raster hides targets.
+//! Nothing on it moves.
 
 pub mod geotiff;
 pub mod projection;
