@@ -17,6 +17,7 @@ use crate::config::Run;
 use crate::fidelity::cost::CostTable;
 use crate::motion::PlatformNav;
 use crate::nav::TrackSource;
+use crate::paths::drops;
 use crate::pipeline::build::{self, PulseStream};
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::outputs;
@@ -113,6 +114,9 @@ impl Found {
             && let Some(row) = self.models.with.iter_mut().find(|row| row.what == RAIN)
         {
             row.how += &format!("; {points:.0} points at a pulse, {in_cell} in a resolution cell");
+            if in_cell < drops::DROPS {
+                row.how += &format!(": {} would make more than {} at some pulse", drops::DROPS, drops::MOST);
+            }
         }
         self.warnings.extend(plausible::targets(run)?.iter().map(ToString::to_string));
         let forecast = stream.resources(&run.scene.radar).map_err(BuildErrors::from)?;

@@ -2,7 +2,8 @@
 //!
 //! Triangles are split at the median of their centroids along the longest side of the box about them, down to
 //! four of them; a ray visits the boxes that it crosses. Whether it crosses a triangle is found by
-//! Moller and Trumbore, J. Graphics Tools 2 (1997) 21.
+//! Woop, Benthin and Wald, J. Comput. Graph. Techniques 2 (2013) 65: on which side of an edge a ray passes is
+//! the same for both triangles that share it, so none slips through between them.
 //!
 //! ```
 //! use glam::DVec3;
@@ -19,7 +20,8 @@ use glam::DVec3;
 
 /// Triangles of a leaf, at most.
 const LEAF: usize = 4;
-/// A ray starts this far off its own triangle, m.
+/// A ray starts this far off its own triangle, m, and boxes are as much larger than what is in them: rays along
+/// their sides are within.
 const OFF_M: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +64,7 @@ impl Triangles {
             (least, most) = (least.min(centre(corners)), most.max(centre(corners)));
         }
         let place = self.nodes.len();
+        let (low, high) = (low - DVec3::splat(OFF_M), high + DVec3::splat(OFF_M));
         self.nodes.push(Node { low, high, first: from as u32, count: (to - from) as u32 });
         if to - from <= LEAF {
             return;
@@ -108,7 +111,7 @@ impl Triangles {
     }
 
     fn follow(&self, from: DVec3, along: DVec3, own: Option<u32>, mut each: impl FnMut(u32, f64) -> bool) {
-        let inverse = along.recip();
+        let (ray, inverse) = (Ray::new(from, along), along.recip());
         let mut open = [0u32; 64];
         let mut count = usize::from(!self.nodes.is_empty());
         while count > 0 {
@@ -131,7 +134,7 @@ impl Triangles {
                 if Some(*n) == own {
                     continue;
                 }
-                let far = crossing(&self.corners[*n as usize], from, along);
+                let far = ray.crosses(&self.corners[*n as usize]);
                 if far.is_some_and(|far| far > OFF_M && each(*n, far)) {
                     return;
                 }
@@ -140,17 +143,44 @@ impl Triangles {
     }
 }
 
-/// How far along a ray a triangle is.
-fn crossing([a, b, c]: &[DVec3; 3], from: DVec3, along: DVec3) -> Option<f64> {
-    let (u, v) = (*b - *a, *c - *a);
-    let across = along.cross(v);
-    let volume = u.dot(across);
-    let off = from - *a;
-    let p = off.dot(across) / volume;
-    let up = off.cross(u);
-    let q = along.dot(up) / volume;
-    // Written so that no number (a ray along the plane) is no crossing.
-    (p >= 0.0 && q >= 0.0 && p + q <= 1.0).then(|| v.dot(up) / volume)
+/// A ray, with the shear that makes it the third axis.
+struct Ray {
+    from: DVec3,
+    /// Axes: the one along which it runs most is the third.
+    axes: [usize; 3],
+    shear: [f64; 3],
+}
+
+impl Ray {
+    fn new(from: DVec3, along: DVec3) -> Self {
+        let size = along.abs();
+        let third = if size.x >= size.y.max(size.z) {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let axes = [(third + 1) % 3, (third + 2) % 3, third];
+        let main = along[third];
+        Self { from, axes, shear: [along[axes[0]] / main, along[axes[1]] / main, main.recip()] }
+    }
+
+    /// How far along a triangle is.
+    fn crosses(&self, corners: &[DVec3; 3]) -> Option<f64> {
+        let ([x, y, z], [shear_x, shear_y, shear_z]) = (self.axes, self.shear);
+        // Of a corner alone: triangles that share it have the same.
+        let [a, b, c] = corners.map(|corner| {
+            let off = corner - self.from;
+            [off[x] - shear_x * off[z], off[y] - shear_y * off[z], shear_z * off[z]]
+        });
+        // Of an edge that is run the other way about the sign is the other, to the last bit.
+        let [u, v, w] = [[c, b], [a, c], [b, a]].map(|[p, q]| p[0] * q[1] - p[1] * q[0]);
+        let whole = u + v + w;
+        let within = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+        // Where it is nothing the ray runs along the plane.
+        (within && whole != 0.0).then(|| (u * a[2] + v * b[2] + w * c[2]) / whole)
+    }
 }
 
 #[cfg(test)]
@@ -176,7 +206,8 @@ mod tests {
         let mut hits = 0;
         for _ in 0..500 {
             let (from, along) = (at(12.0), at(1.0).normalize());
-            let all = (0..).zip(&corners).filter_map(|(n, own)| Some((n, crossing(own, from, along)?)));
+            let ray = Ray::new(from, along);
+            let all = (0..).zip(&corners).filter_map(|(n, own)| Some((n, ray.crosses(own)?)));
             let nearest = all.filter(|(_, far)| *far > OFF_M).min_by(|a, b| a.1.total_cmp(&b.1));
             assert_eq!(triangles.first(from, along, None), nearest);
             assert_eq!(triangles.meets(from, along, None), nearest.is_some());
@@ -184,5 +215,54 @@ mod tests {
         }
         assert!((50..450).contains(&hits), "{hits}");
         assert_eq!(Triangles::new(&[]).first(DVec3::ZERO, DVec3::X, None), None);
+    }
+
+    /// No ray slips through between triangles: a fan about a point that rays aim at, and at its edges.
+    #[test]
+    fn edges_and_corners_let_no_ray_through() {
+        let mut numbers = stream(9, Room::TargetFluctuation, 0, 0);
+        let mut at =
+            |scale: f64| DVec3::from_array([(); 3].map(|()| scale * (numbers.random::<f64>() - 0.5)));
+        for _ in 0..300 {
+            // A ring about the middle, in the plane across a direction.
+            let (middle, along) = (at(20.0), at(1.0).normalize());
+            let (u, v) = along.any_orthonormal_pair();
+            let rim: Vec<DVec3> = (0..7)
+                .map(|n| {
+                    let (sin, cos) = (f64::from(n) * std::f64::consts::TAU / 7.0).sin_cos();
+                    middle + (1.3 * u + 0.1 * along) * cos + v * sin
+                })
+                .collect();
+            let fan: Vec<[DVec3; 3]> = (0..7).map(|n| [middle, rim[n], rim[(n + 1) % 7]]).collect();
+            let triangles = Triangles::new(&fan);
+            let from = middle - 40.0 * along + at(10.0);
+            for spoke in &rim {
+                for share in [0.0, 0.3, 0.9] {
+                    let to = middle + (*spoke - middle) * share;
+                    assert!(triangles.meets(from, (to - from).normalize(), None), "{from} {to}");
+                }
+            }
+        }
+    }
+
+    /// Rays along the axes of a mesh that has its edges there, as a ship's have on its centre line.
+    #[test]
+    fn rays_along_the_sides_of_boxes_meet_what_is_there() {
+        let (low, high) = (DVec3::new(2.0, -1.0, 0.0), DVec3::new(2.0, 1.0, 3.0));
+        let corner = |y: f64, z: f64| DVec3::new(2.0, y, z);
+        // A wall of two, and the same again above.
+        let wall = |z: f64| {
+            [
+                [corner(low.y, z), corner(high.y, z), corner(high.y, z + 3.0)],
+                [corner(low.y, z), corner(high.y, z + 3.0), corner(low.y, z + 3.0)],
+            ]
+        };
+        let triangles = Triangles::new(&[wall(0.0), wall(3.0)].concat());
+        for y in [-1.0, -0.5, 0.0, 1.0] {
+            for z in [0.0, 1.5, 3.0, 4.5, 6.0] {
+                assert!(triangles.meets(DVec3::new(-7.0, y, z), DVec3::X, None), "{y} {z}");
+            }
+        }
+        assert!(!triangles.meets(DVec3::new(-7.0, 0.0, 6.1), DVec3::X, None));
     }
 }

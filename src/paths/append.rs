@@ -52,12 +52,12 @@ impl PathGenerator {
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
-        let Workspace { other, amplitude, sea, costs, .. } = workspace;
+        let Workspace { other, amplitude, ships, sea, costs, .. } = workspace;
         for emitted in emissions {
             self.evaluate(emitted, other)?;
             let reception = self.reception(index, emitted, other, window);
             self.append(&reception, amplitude, paths);
-            self.append_ships(emitted, &reception, amplitude, paths)?;
+            self.append_ships(emitted, &reception, (ships, amplitude), paths)?;
             self.append_sea(emitted, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
         }
         Ok(())

@@ -10,6 +10,11 @@
 //! Doppler spectrum of the rain. Slots of [`SLOT_S`] overlap by half: a point lasts two of them, with the
 //! amplitude `sin(pi s)`, so that the powers of both add up to 1 at every time.
 //!
+//! Where there would be more than [`MOST`] points at a pulse, boxes are larger by a power of two that is the same
+//! for all of a slot: the least with which no more than half of them are seen as antennas, beams and window are
+//! when it begins. It follows from that instant alone. A beam that turns into the rain meanwhile sees more
+//! until the slot ends; none are left out.
+//!
 //! Its matrix is that of a Rayleigh scatterer, a dipole along the field that it meets: `sqrt(eta V) e_p . e_q`
 //! in the bases of the path, all of it back and none at right angles in the plane of the field.
 //!
@@ -18,6 +23,7 @@
 //! into it; one rate, wind and fall at all heights; drops that are spheres.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use glam::DVec3;
 use num_complex::Complex64;
@@ -30,11 +36,11 @@ use crate::frames::{Enu, Point, Vector};
 use crate::geometry::bistatic::Basis;
 use crate::geometry::horizon;
 use crate::geometry::light_time::{LightTime, bistatic};
-use crate::motion::pointing::PhaseCentre;
-use crate::paths::emission::TrackFailure;
+use crate::paths::emission::Emission;
+use crate::paths::kept::Kept;
 use crate::paths::list::ScattererPaths;
 use crate::radar::antenna::Antenna;
-use crate::radar::fault::{RadarError, TrackUse, mounts};
+use crate::radar::fault::RadarError;
 use crate::radar::lobe::MainLobe;
 use crate::radar::rain::{fall_mps, volume_reflectivity_per_m};
 use crate::radar::window::Window;
@@ -46,10 +52,14 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Half the life of a point, s.
 const SLOT_S: f64 = 1.0;
-/// Points in a resolution cell, and those of a pulse, at most.
-const DROPS: f64 = 8.0;
-const MOST: usize = 16_384;
-/// Pulses of the run at which they are counted.
+/// Points in a resolution cell that are wanted, and those of a pulse, at most.
+pub const DROPS: f64 = 8.0;
+pub const MOST: usize = 16_384;
+/// How much larger than wanted boxes may be.
+const COARSEST: f64 = 1_048_576.0;
+/// Slots that are kept.
+const KEPT: usize = 24;
+/// Pulses of the run at which points are counted for the forecast.
 const COUNTED: u64 = 5;
 /// Half the side of the space that is split, m, and how often it is: boxes of 2 m.
 const HALF_M: f64 = 1_048_576.0;
@@ -69,11 +79,20 @@ pub(super) struct RainPlan {
     /// Of all antennas, transmitters first.
     lobes: Vec<MainLobe>,
     range_cell_m: f64,
-    /// Volume of a point over that which is wanted; 1 where no bound is met.
-    coarser: f64,
-    /// Points of a pulse, mean.
+    slots: Arc<Kept<i64, Slot>>,
+    /// Points of a pulse, mean, and in a resolution cell, the fewest: of some pulses of the run.
     drops: f64,
+    drops_per_cell: f64,
     seed: u64,
+}
+
+/// What holds for a slot.
+#[derive(Clone, Debug)]
+struct Slot {
+    /// Where antennas are when it begins, transmitters first.
+    places: Vec<Point<Enu>>,
+    /// Volume of a point over that which is wanted.
+    coarser: f64,
 }
 
 /// A box of space that is split: level and numbers along x, y and z.
@@ -110,6 +129,7 @@ struct Search<'a> {
     reception: &'a Reception<'a>,
     /// Where antennas were when the slot began.
     places: &'a [Point<Enu>],
+    coarser: f64,
     slot: i64,
 }
 
@@ -143,10 +163,20 @@ impl RainPlan {
             spread_mps: clutter.spread_mps,
             lobes: antennas.iter().map(MainLobe::of).collect(),
             range_cell_m: 0.5 * SPEED_OF_LIGHT_MPS / bandwidth_hz,
-            coarser: 1.0,
+            slots: Self::no_slots(antennas.len()),
             drops: 0.0,
+            drops_per_cell: 0.0,
             seed: scene.seed,
         })
+    }
+
+    fn no_slots(antennas: usize) -> Arc<Kept<i64, Slot>> {
+        Arc::new(Kept::new(KEPT, || Slot { places: Vec::with_capacity(antennas), coarser: 1.0 }))
+    }
+
+    /// The same rain seen from other tracks.
+    pub fn renewed(&self) -> Self {
+        Self { slots: Self::no_slots(self.lobes.len()), ..self.clone() }
     }
 
     /// Amplitude at a time of a slot: 0 at the ends of the life.
@@ -174,7 +204,7 @@ impl Search<'_> {
             .iter()
             .map(|pair| area_m2(pair.transmitter).min(area_m2(transmitters + pair.receiver)));
         // Of both slots that overlap.
-        let share = 2.0 / DROPS * self.plan.coarser * self.plan.range_cell_m;
+        let share = 2.0 / DROPS * self.coarser * self.plan.range_cell_m;
         share * least.fold(f64::INFINITY, f64::min)
     }
 
@@ -269,59 +299,98 @@ impl PathGenerator {
 
     /// Points that stand for rain in a resolution cell: fewer than are wanted where there would be too many.
     pub fn drops_per_cell(&self) -> f64 {
-        self.rain.as_ref().map_or(0.0, |rain| DROPS / rain.coarser)
+        self.rain.as_ref().map_or(0.0, |rain| rain.drops_per_cell)
     }
 
-    /// Lets it rain in a scene whose tracks are known: so coarsely that a pulse has not too many points.
+    /// Lets it rain in a scene whose tracks are known, and counts the points of some pulses.
     pub(super) fn let_it_rain(&mut self, scene: &Scene) -> Result<(), RadarError> {
         self.rain = RainPlan::new(scene, &self.antennas, self.pulse_length_s);
-        if self.rain.is_none() {
-            return Ok(());
-        }
+        let Some(plan) = self.rain.clone().filter(|_| self.pulses > 0) else { return Ok(()) };
         let mut workspace = self.workspace();
         let mut paths = ScattererPaths::new(self.pairs.len(), self.radar.channels.len(), 0);
-        let last = self.pulses.saturating_sub(1);
-        while self.rain.is_some() {
-            let (mut most, mut sum) = (0, 0);
-            for n in 0..COUNTED {
-                let index = (u128::from(last) * u128::from(n) / u128::from(COUNTED - 1)) as u64;
-                self.rain_at(index, &mut workspace, &mut paths)?;
-                (most, sum) = (most.max(paths.len()), sum + paths.len());
+        let (last, mut sum, mut fewest) = (self.pulses.saturating_sub(1), 0, DROPS);
+        for n in 0..COUNTED {
+            let index = (u128::from(last) * u128::from(n) / u128::from(COUNTED - 1)) as u64;
+            self.rain_at(index, &mut workspace, &mut paths)?;
+            sum += paths.len();
+            let Workspace { other, places, .. } = &mut workspace;
+            let slots = Self::slots_at(self.radar.emissions.interval_s(0, index));
+            let mut in_cell = 0.0;
+            for slot in slots {
+                in_cell += DROPS / 2.0 / self.begin_slot(&plan, (index, slot), other, places)?;
             }
-            let Some(rain) = &mut self.rain else { break };
-            // Twice as many are not counted any more.
-            if most <= MOST {
-                rain.drops = sum as f64 / COUNTED as f64;
-                break;
-            }
-            rain.coarser *= 2.0;
+            fewest = fewest.min(in_cell);
+        }
+        if let Some(rain) = &mut self.rain {
+            (rain.drops, rain.drops_per_cell) = (sum as f64 / COUNTED as f64, fewest);
         }
         Ok(())
+    }
+
+    /// The slots whose points live at a time after pulse 0.
+    fn slots_at(elapsed_s: f64) -> [i64; 2] {
+        let last = (elapsed_s / SLOT_S).floor() as i64;
+        [last - 1, last]
+    }
+
+    /// What holds for a slot of a pulse: fills in where antennas are when it begins, and returns how coarse it is.
+    /// `standing` is overwritten where it is not known.
+    fn begin_slot(
+        &self,
+        plan: &RainPlan,
+        (index, slot): (u64, i64),
+        standing: &mut Emission,
+        places: &mut Vec<Point<Enu>>,
+    ) -> Result<f64, RadarError> {
+        let find = |found: &mut Slot| {
+            let begin_s = (slot as f64 * SLOT_S).max(0.0);
+            let t = self.start.plus(begin_s);
+            let stands = standing.stand(&self.circumstances(), t);
+            stands.map_err(|failure| self.track_error(index, failure))?;
+            let window = Window::new(&self.radar, self.nominal_start_s(index, t)?, self.pulse_length_s);
+            found.places.clear();
+            found.places.extend(standing.centres.iter().map(|centre| centre.position));
+            let reception =
+                Reception { t, elapsed_s: begin_s, ..self.reception(index, index, standing, window) };
+            let fits = |coarser: f64| {
+                let search =
+                    Search { plan, of: self, reception: &reception, places: &found.places, coarser, slot };
+                let mut count = 0;
+                search.visit(Cell { level: 0, at: [0; 3] }, &mut |_| {
+                    count += 1;
+                    count <= MOST / 2
+                });
+                count <= MOST / 2
+            };
+            // From coarse to fine: all that is counted is twice what is left at most.
+            let mut coarser = COARSEST;
+            while coarser > 1.0 && fits(0.5 * coarser) {
+                coarser *= 0.5;
+            }
+            found.coarser = coarser;
+            Ok(())
+        };
+        plan.slots.with(slot, find, |found| {
+            places.clone_from(&found.places);
+            found.coarser
+        })
     }
 
     /// Appends the rain that an emission illuminates and its window receives.
     pub(super) fn append_rain(
         &self,
+        index: u64,
         reception: &Reception,
-        (places, amplitude): (&mut Vec<Point<Enu>>, &mut [Complex64]),
+        (standing, places, amplitude): (&mut Emission, &mut Vec<Point<Enu>>, &mut [Complex64]),
         paths: &mut ScattererPaths,
-    ) -> Result<(), TrackFailure> {
+    ) -> Result<(), RadarError> {
         let Some(plan) = &self.rain else { return Ok(()) };
-        let most = paths.len() + 2 * MOST;
-        let last = (reception.elapsed_s / SLOT_S).floor() as i64;
-        for slot in [last - 1, last] {
-            let begin = self.start.plus((slot as f64 * SLOT_S).max(0.0));
-            places.clear();
-            for (_, mount) in mounts(&self.radar) {
-                let state = self.tracks[mount.platform].truth.state(begin).map_err(|source| {
-                    TrackFailure { platform: mount.platform, which: TrackUse::Truth, source }
-                })?;
-                places.push(PhaseCentre::of(&state, mount.lever_arm).position);
-            }
-            let search = Search { plan, of: self, reception, places, slot };
+        for slot in Self::slots_at(reception.elapsed_s) {
+            let coarser = self.begin_slot(plan, (index, slot), standing, places)?;
+            let search = Search { plan, of: self, reception, places, coarser, slot };
             search.visit(Cell { level: 0, at: [0; 3] }, &mut |drop| {
                 self.append_drop(reception, drop, amplitude, paths);
-                paths.len() < most
+                true
             });
         }
         Ok(())
@@ -377,11 +446,10 @@ impl PathGenerator {
         if self.rain.is_none() {
             return Ok(());
         }
-        let Workspace { own, amplitude, places, .. } = workspace;
+        let Workspace { own, other, amplitude, places, .. } = workspace;
         self.evaluate(index, own)?;
         let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
         let reception = self.reception(index, index, own, window);
-        let appended = self.append_rain(&reception, (places, amplitude), paths);
-        appended.map_err(|failure| self.track_error(index, failure))
+        self.append_rain(index, &reception, (other, places, amplitude), paths)
     }
 }

@@ -54,9 +54,9 @@ impl Circumstances<'_> {
             || self.targets.iter().any(fluctuates)
     }
 
-    /// Share of the field of a pair that passes crests and land about a target.
-    fn passes(&self, number: usize, pair: &Pair, elapsed_s: f64) -> Result<f64, TrackFailure> {
-        let heave = self.heaves.get(number).and_then(Option::as_ref);
+    /// Share of the field of a pair that passes land and, unless they hide nothing, crests about a target.
+    fn passes(&self, number: usize, pair: &Pair, elapsed_s: f64, crests: bool) -> Result<f64, TrackFailure> {
+        let heave = self.heaves.get(number).and_then(Option::as_ref).filter(|_| crests);
         if heave.is_none() && self.hills.is_none() {
             return Ok(1.0);
         }
@@ -138,6 +138,39 @@ impl Emission {
         t: TimeTag,
         elapsed_s: f64,
     ) -> Result<(), TrackFailure> {
+        self.stand(of, t)?;
+        self.paths.clear();
+        let transmitters = of.radar.transmitters.len();
+        for number in 0..of.targets.len() {
+            let (position, velocity) = of.target(number, elapsed_s);
+            for pair in of.pairs {
+                let tx = &self.centres[pair.transmitter];
+                let rx = &self.centres[transmitters + pair.receiver];
+                self.paths.push(bistatic(LightTime::Exact, tx, position, velocity, rx));
+            }
+        }
+        self.bounces.clear();
+        for (image, mirror) in of.images.iter().filter_map(|image| Some((image, of.mirror?))) {
+            let (position, velocity) = of.target(image.target, elapsed_s);
+            for pair in of.pairs {
+                let ends = [pair.transmitter, transmitters + pair.receiver].map(|end| &self.centres[end]);
+                let (path, bounce) = mirror.path(image, ends, position, velocity);
+                self.paths.push(path);
+                self.bounces.push(bounce);
+            }
+        }
+        if of.radar.direct_path {
+            for pair in of.pairs {
+                let tx = &self.centres[pair.transmitter];
+                let rx = &self.centres[transmitters + pair.receiver];
+                self.paths.push(direct(LightTime::Exact, tx, rx));
+            }
+        }
+        self.vary(of, index, elapsed_s, None)
+    }
+
+    /// Platforms, phase centres and axes at a time; what depends on them stays as it was.
+    pub fn stand(&mut self, of: &Circumstances, t: TimeTag) -> Result<(), TrackFailure> {
         self.states.clear();
         for (platform, tracks) in of.surroundings.tracks.iter().enumerate() {
             self.states.push(tracks.truth.state(t).map_err(failed(platform, TrackUse::Truth))?);
@@ -177,34 +210,7 @@ impl Emission {
             self.bases.push(basis);
             self.bases_change.push(basis_change);
         }
-        self.paths.clear();
-        let transmitters = of.radar.transmitters.len();
-        for number in 0..of.targets.len() {
-            let (position, velocity) = of.target(number, elapsed_s);
-            for pair in of.pairs {
-                let tx = &self.centres[pair.transmitter];
-                let rx = &self.centres[transmitters + pair.receiver];
-                self.paths.push(bistatic(LightTime::Exact, tx, position, velocity, rx));
-            }
-        }
-        self.bounces.clear();
-        for (image, mirror) in of.images.iter().filter_map(|image| Some((image, of.mirror?))) {
-            let (position, velocity) = of.target(image.target, elapsed_s);
-            for pair in of.pairs {
-                let ends = [pair.transmitter, transmitters + pair.receiver].map(|end| &self.centres[end]);
-                let (path, bounce) = mirror.path(image, ends, position, velocity);
-                self.paths.push(path);
-                self.bounces.push(bounce);
-            }
-        }
-        if of.radar.direct_path {
-            for pair in of.pairs {
-                let tx = &self.centres[pair.transmitter];
-                let rx = &self.centres[transmitters + pair.receiver];
-                self.paths.push(direct(LightTime::Exact, tx, rx));
-            }
-        }
-        self.vary(of, index, elapsed_s, None)
+        Ok(())
     }
 
     /// How the amplitudes of targets differ at an emission from their steady ones; with the most of a run in
@@ -230,10 +236,7 @@ impl Emission {
             for (n, pair) in of.pairs.iter().enumerate() {
                 let path = || &self.paths[number * of.pairs.len() + n];
                 let seen = aspect.zip(up).map_or(1.0, |(aspect, up)| aspect.over_mean(up, path()));
-                let passes = match most_of_run {
-                    Some(_) => 1.0,
-                    None => of.passes(number, pair, elapsed_s)?,
-                };
+                let passes = of.passes(number, pair, elapsed_s, most_of_run.is_none())?;
                 self.variation.push((power * seen).sqrt() * passes);
             }
         }

@@ -1,18 +1,24 @@
 //! What threads that make pulses share: things that are found once, by whichever thread needs them first.
 //!
-//! The only locks among them: held while something is found, not while a pulse is made of it. What is found depends on neither the
-//! thread nor the order in which it is asked for.
+//! The only locks among them: who asks for a thing while it is found waits, who asks for another does not, and
+//! what is found is used by all at once. It depends on neither the thread nor the order in which it is asked for.
+//! Its places are made beforehand and taken again, so that a run in its steady state allocates nothing.
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, PoisonError, RwLock};
 
-/// How many are kept.
-const MOST: usize = 64;
-
-/// Things that are kept about the number asked for last.
+/// The things that were found last, each of a number or another key.
 #[derive(Debug)]
-pub(super) struct Kept<T> {
-    found: Mutex<BTreeMap<u64, Arc<OnceLock<Arc<T>>>>>,
+pub(super) struct Kept<K, T> {
+    /// What each place is for, and which is taken next.
+    keys: Mutex<(Box<[Option<K>]>, usize)>,
+    places: Box<[RwLock<Place<K, T>>]>,
+}
+
+#[derive(Debug)]
+struct Place<K, T> {
+    /// Whose thing it is; `None` while it is found, or if that failed.
+    of: Option<K>,
+    thing: T,
 }
 
 /// What one thread uses at a time.
@@ -31,33 +37,69 @@ impl<T> OneAtATime<T> {
     }
 }
 
-impl<T> Default for Kept<T> {
-    fn default() -> Self {
-        Self { found: Mutex::default() }
+impl<K: Copy + PartialEq, T> Kept<K, T> {
+    /// So many places, one at least.
+    pub fn new(places: usize, mut make: impl FnMut() -> T) -> Self {
+        let places: Box<[_]> =
+            (0..places.max(1)).map(|_| RwLock::new(Place { of: None, thing: make() })).collect();
+        Self { keys: Mutex::new((places.iter().map(|_| None).collect(), 0)), places }
     }
-}
 
-impl<T> Kept<T> {
-    /// The thing of a number. Who asks for it while it is found waits; whoever asks for others does not. The
-    /// farthest from this number is forgotten: found again it must be the same.
-    pub fn get(&self, number: u64, find: impl FnOnce() -> T) -> Arc<T> {
-        let place = {
-            let mut found = self.found.lock().unwrap_or_else(PoisonError::into_inner);
-            let place = Arc::clone(found.entry(number).or_default());
-            if found.len() > MOST {
-                let ends = [found.first_key_value(), found.last_key_value()];
-                let farthest =
-                    ends.into_iter().flatten().map(|(at, _)| *at).max_by_key(|at| at.abs_diff(number));
-                farthest.and_then(|farthest| found.remove(&farthest));
+    /// Uses the thing of a key; `find` puts it in place of the one that was found longest ago, unless it is there.
+    /// Found again it must be the same.
+    ///
+    /// # Errors
+    /// Those of `find`.
+    pub fn with<R, E>(
+        &self,
+        key: K,
+        find: impl FnOnce(&mut T) -> Result<(), E>,
+        use_it: impl FnOnce(&T) -> R,
+    ) -> Result<R, E> {
+        loop {
+            let at = self.place_for(key);
+            {
+                let place = self.places[at].read().unwrap_or_else(PoisonError::into_inner);
+                if place.of == Some(key) {
+                    return Ok(use_it(&place.thing));
+                }
             }
-            place
-        };
-        Arc::clone(place.get_or_init(|| Arc::new(find())))
+            let mut place = self.places[at].write().unwrap_or_else(PoisonError::into_inner);
+            if place.of != Some(key) {
+                // Given away while this thread waited.
+                if self.place_for(key) != at {
+                    continue;
+                }
+                place.of = None;
+                find(&mut place.thing)?;
+                place.of = Some(key);
+            }
+            return Ok(use_it(&place.thing));
+        }
+    }
+
+    /// How many are kept.
+    #[cfg(test)]
+    pub fn len(&self) -> usize {
+        self.keys.lock().unwrap().0.iter().flatten().count()
+    }
+
+    /// Where the thing of a key is or will be.
+    fn place_for(&self, key: K) -> usize {
+        let mut keys = self.keys.lock().unwrap_or_else(PoisonError::into_inner);
+        let (keys, next) = &mut *keys;
+        if let Some(at) = keys.iter().position(|of| *of == Some(key)) {
+            return at;
+        }
+        let at = *next;
+        (keys[at], *next) = (Some(key), (at + 1) % keys.len());
+        at
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::convert::Infallible;
     use std::sync::Barrier;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -66,18 +108,20 @@ mod tests {
     /// Eight threads that ask for the same at once make each thing once.
     #[test]
     fn everything_is_found_once() {
-        let (kept, count, barrier) = (Kept::default(), AtomicUsize::new(0), Barrier::new(8));
+        let (kept, count, barrier) = (Kept::new(64, || 0), AtomicUsize::new(0), Barrier::new(8));
         std::thread::scope(|scope| {
             for _ in 0..8 {
                 scope.spawn(|| {
                     barrier.wait();
-                    for number in 0..20u64 {
-                        let found = kept.get(number, || {
+                    for number in -10..10i64 {
+                        let find = |place: &mut i64| {
                             count.fetch_add(1, Ordering::Relaxed);
                             std::thread::sleep(std::time::Duration::from_millis(2));
-                            3 * number
-                        });
-                        assert_eq!(*found, 3 * number);
+                            *place = 3 * number;
+                            Ok::<_, Infallible>(())
+                        };
+                        let Ok(found) = kept.with(number, find, |found| *found);
+                        assert_eq!(found, 3 * number);
                     }
                 });
             }
@@ -85,14 +129,41 @@ mod tests {
         assert_eq!(count.into_inner(), 20);
     }
 
+    /// Threads that ask for more than there is place for find all of it right.
     #[test]
-    fn few_are_kept() {
-        let (kept, mut found) = (Kept::default(), 0);
+    fn what_is_found_is_right_in_any_order() {
+        let kept = Kept::new(3, || 0);
+        std::thread::scope(|scope| {
+            for thread in 0..4i64 {
+                let kept = &kept;
+                scope.spawn(move || {
+                    for n in 0..20_000 {
+                        let number = (n * (2 * thread + 1)) % 7;
+                        let find = |place: &mut i64| {
+                            *place = 3 * number;
+                            Ok::<_, Infallible>(())
+                        };
+                        let Ok(found) = kept.with(number, find, |found| *found);
+                        assert_eq!(found, 3 * number);
+                    }
+                });
+            }
+        });
+    }
+
+    #[test]
+    fn the_last_are_kept_and_failures_are_not() {
+        let (kept, mut found) = (Kept::new(64, || 0), 0);
         for number in (0..100_000).chain([5, 99_990, 5]) {
-            kept.get(number, || found += 1);
+            let find = |_: &mut i32| {
+                found += 1;
+                Ok::<_, Infallible>(())
+            };
+            let Ok(()) = kept.with(number, find, |_| ());
         }
-        assert_eq!(kept.found.lock().unwrap().len(), MOST);
         // Those about the end are still there; the first is not, and once found again it is kept.
         assert_eq!(found, 100_001);
+        assert_eq!(kept.with(7, |_| Err("no track"), |_| ()), Err("no track"));
+        assert_eq!(kept.with(7, |place| Ok::<_, &str>(*place = 2), |place| *place), Ok(2));
     }
 }

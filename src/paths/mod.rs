@@ -93,7 +93,7 @@
 mod append;
 mod aspect;
 mod breaking;
-mod drops;
+pub mod drops;
 mod facets;
 mod heave;
 mod hidden;
@@ -133,6 +133,7 @@ use crate::paths::heave::Heave;
 use crate::paths::hidden::Hills;
 use crate::paths::list::ScattererPaths;
 use crate::paths::multipath::{Image, Mirror};
+use crate::paths::panels::ShipWork;
 use crate::paths::ships::Ships;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Pulse, flags};
@@ -185,7 +186,7 @@ pub struct PathGenerator {
     aspects: Vec<Option<Aspect>>,
     /// What lifts targets that float; empty where none does.
     heaves: Arc<Vec<Option<Heave>>>,
-    /// Land that hides targets.
+    /// Land that hides targets and ships.
     hills: Option<Arc<Hills>>,
     /// Paths of targets by the sea, and what reflects them; empty where nothing does.
     images: Vec<Image>,
@@ -199,6 +200,8 @@ pub struct PathGenerator {
     /// Transmitters first.
     antennas: Vec<Antenna>,
     pairs: Vec<Pair>,
+    /// Antennas of every pair.
+    ends: Vec<[usize; 2]>,
     plans: Vec<PairPlan>,
     channel_pairs: Vec<usize>,
     fastest_target_mps: f64,
@@ -219,6 +222,7 @@ pub struct Workspace {
     emissions: Vec<Emission>,
     elapsed_s: Vec<f64>,
     amplitude: Vec<Complex64>,
+    ships: ShipWork,
     sea: Option<SeaWork>,
     /// Of antennas.
     places: Vec<Point<Enu>>,
@@ -293,6 +297,10 @@ impl PathGenerator {
             pulse_length_s,
             tracks,
             antennas,
+            ends: pairs
+                .iter()
+                .map(|pair| [pair.transmitter, radar.transmitters.len() + pair.receiver])
+                .collect(),
             pairs,
             plans,
             channel_pairs,
@@ -360,6 +368,7 @@ impl PathGenerator {
         self.heaves = Arc::new(self.lifted_by(self.sea.as_deref()));
         self.hills = self.hidden_by(self.sea.as_deref()).map(Arc::new);
         self.ships = self.ships.renewed();
+        self.rain = self.rain.as_ref().map(RainPlan::renewed);
     }
 
     /// The pair of each channel.
@@ -385,16 +394,9 @@ impl PathGenerator {
         // first asked for.
         let costs = Costs::default();
         let [own, other] = [(); 2].map(|()| Emission::default());
-        Workspace {
-            own,
-            other,
-            emissions: Vec::new(),
-            elapsed_s: Vec::new(),
-            amplitude,
-            sea: None,
-            places: Vec::new(),
-            costs,
-        }
+        let places = Vec::with_capacity(self.antennas.len());
+        let (emissions, elapsed_s, ships) = (Vec::new(), Vec::new(), self.ship_work());
+        Workspace { own, other, emissions, elapsed_s, amplitude, ships, sea: None, places, costs }
     }
 
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,
@@ -422,17 +424,16 @@ impl PathGenerator {
         let in_window = self.emissions_in_window(index, &workspace.own, &window)?;
         workspace.costs.lap(Stage::Record);
         self.append_others(index, in_window.start..in_window.end.min(index), window, workspace, paths)?;
-        let Workspace { own, amplitude, sea, costs, places, .. } = &mut *workspace;
+        let Workspace { own, other, amplitude, ships, sea, costs, places, .. } = &mut *workspace;
         let reception = self.reception(index, index, own, window);
-        if self.append(&reception, amplitude, paths) || self.ships_reach_outside(index, &reception)? {
+        if self.append(&reception, amplitude, paths) || self.ships_reach_outside(index, &reception, ships)? {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
-        self.append_ships(index, &reception, amplitude, paths)?;
+        self.append_ships(index, &reception, (ships, amplitude), paths)?;
         if in_window.contains(&index) {
             self.append_sea(index, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
         }
-        let rained = self.append_rain(&reception, (places, amplitude), paths);
-        rained.map_err(|failure| self.track_error(index, failure))?;
+        self.append_rain(index, &reception, (other, places, amplitude), paths)?;
         self.append_others(index, in_window.start.max(index + 1)..in_window.end, window, workspace, paths)?;
         workspace.costs.lap(Stage::ScattererPaths);
         Ok(())

@@ -141,7 +141,7 @@ impl PathGenerator {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, amplitude, costs, .. } = workspace;
+        let Workspace { own, amplitude, ships, costs, .. } = workspace;
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
@@ -151,7 +151,7 @@ impl PathGenerator {
                 record.flags |= flags::OUTSIDE_WINDOW;
             }
         }
-        if record.flags & flags::OUTSIDE_WINDOW == 0 && self.ships_reach_outside(index, &reception)? {
+        if record.flags & flags::OUTSIDE_WINDOW == 0 && self.ships_reach_outside(index, &reception, ships)? {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
         costs.lap(Stage::Record);
@@ -173,13 +173,13 @@ impl PathGenerator {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, amplitude, .. } = workspace;
+        let Workspace { own, amplitude, ships, .. } = workspace;
         paths.clear();
         self.evaluate(index, own)?;
         own.variation.clear();
         let reception = self.reception(index, index, own, Window::UNBOUNDED);
         self.append_every(&reception, amplitude, paths);
-        self.append_every_panel(&reception, amplitude, paths);
+        self.append_every_panel(&reception, (ships, amplitude), paths);
         Ok(())
     }
 

@@ -84,6 +84,8 @@ pub(crate) struct BlockWork {
     variations: Vec<f64>,
     /// `[pulse][point][pair]` of a part of the block.
     factors: Vec<f64>,
+    /// Points of it that are not dark.
+    lit: Vec<usize>,
     /// For pulses that are taken in bands of Doppler.
     bands: Option<Bands<f32>>,
     /// Scatterer paths of the block at hand that are spread, over all pairs.
@@ -160,6 +162,7 @@ impl BlockEcho {
             mean_hz: Vec::with_capacity(pairs),
             variations: Vec::with_capacity(generator.point_count() * pairs),
             factors: Vec::new(),
+            lit: Vec::with_capacity(generator.point_count()),
             bands: self.band_hz().map(|_| self.synth.bands()),
             spread: 0,
         }
@@ -426,7 +429,7 @@ impl BlockEcho {
         memory: &mut Workspace,
         work: &mut BlockWork,
     ) -> Result<(), PulseError> {
-        let BlockWork { nodes, variations, factors, .. } = &mut *work;
+        let BlockWork { nodes, variations, factors, lit, .. } = &mut *work;
         let (at, count) = nodes_within(pulses.len());
         for (node, place) in nodes.iter_mut().zip(&at[..count]) {
             generator.points(first + (pulses.start + place) as u64, memory, node)?;
@@ -438,7 +441,7 @@ impl BlockEcho {
                 factors.extend_from_slice(variations);
             }
         }
-        generator.leave_out_dark(&mut nodes[..count], factors, pulses.len());
+        generator.leave_out_dark(&mut nodes[..count], factors, lit, pulses.len());
         self.spread_stretch(pulses, memory, work)?;
         Ok(())
     }

@@ -59,10 +59,10 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
-#[test]
-fn a_beam_in_rain_returns_what_the_radar_equation_asks() {
-    // All of the beam lies between the sea and the top: dP = P lambda^2 G^2 eta/((4 pi)^3 R^2) dR dOmega,
-    // over the direction cosines up to the first nulls, where dOmega = du dv/w.
+/// Power that the beam of [`RAIN`] returns from between two ranges, W, where all of it lies between the sea and the
+/// top: `dP = P lambda^2 G^2 eta/((4 pi)^3 R^2) dR dOmega`, over the direction cosines up to the first nulls,
+/// where `dOmega = du dv/w`.
+fn expected_w(ranges_m: [f64; 2]) -> f64 {
     let (width_m, height_m) = (1.2, 0.6);
     let peak = 4.0 * PI * width_m * height_m / WAVELENGTH_M.powi(2);
     let (null_u, null_v) = (WAVELENGTH_M / width_m, WAVELENGTH_M / height_m);
@@ -77,21 +77,83 @@ fn a_beam_in_rain_returns_what_the_radar_equation_asks() {
         }
     }
     beam_sr *= 4.0 * null_u * null_v / f64::from(steps * steps);
+    let along = |range_m: f64| 10f64.powf(-0.2 * DB_PER_KM * range_m / 1e3) / range_m.powi(2);
+    let step_m = (ranges_m[1] - ranges_m[0]) / 1000.0;
+    let of = |n: i32| along(ranges_m[0] + (f64::from(n) + 0.5) * step_m) * step_m;
+    let along: f64 = (0..1000).map(of).sum();
+    1000.0 * WAVELENGTH_M.powi(2) * ETA_PER_M * beam_sr * along / (4.0 * PI).powi(3)
+}
+
+#[test]
+fn a_beam_in_rain_returns_what_the_radar_equation_asks() {
     let ranges_m = [[2200.0, 2800.0], [3200.0, 3900.0]];
     let of = |paths: &ScattererPaths| [power_w(paths, 0, ranges_m[0]), power_w(paths, 1, ranges_m[1])];
     let found = over_seeds(24, &[], of);
     for (ranges_m, (mean_w, deviation_w)) in ranges_m.into_iter().zip(found) {
-        let along = |range_m: f64| 10f64.powf(-0.2 * DB_PER_KM * range_m / 1e3) / range_m.powi(2);
-        let step_m = (ranges_m[1] - ranges_m[0]) / 1000.0;
-        let of = |n: i32| along(ranges_m[0] + (f64::from(n) + 0.5) * step_m) * step_m;
-        let along: f64 = (0..1000).map(of).sum();
-        let expected_w = 1000.0 * WAVELENGTH_M.powi(2) * ETA_PER_M * beam_sr * along / (4.0 * PI).powi(3);
-        let [share, deviation] = [mean_w, deviation_w].map(|w| w / expected_w);
+        let [share, deviation] = [mean_w, deviation_w].map(|w| w / expected_w(ranges_m));
         println!("{ranges_m:?}: {share:.4} of the expected, deviation {deviation:.4}");
         assert!(deviation < 0.03);
         // A thousandth for the figures above.
         assert!((share - 1.0).abs() < 4.0 * deviation + 1e-3);
     }
+}
+
+/// Where a fine radar on a mast points that follows something fast and high: from `x` on, 3 km above it.
+fn following(x_m: f64) -> [(String, String); 5] {
+    let pointing = format!(
+        "{{ kind = \"at\", position_m = [{x_m:.1}, 0.0, 3000.0], velocity_mps = [3000.0, 0.0, 0.0], aim_from = \"true\" }}"
+    );
+    [
+        ("transmitter.0.pointing", pointing.as_str()),
+        ("receiver.0.pointing", &pointing),
+        ("radar.waveform", "{ kind = \"lfm\", bandwidth_hz = 200e6, pulse_s = 0.5e-6 }"),
+        ("radar.sample_rate_hz", "240e6"),
+        ("radar.window.samples", "1600"),
+    ]
+    .map(|(key, value)| (key.to_owned(), value.to_owned()))
+}
+
+fn paths_at(index: u64, of: &[(String, String)], settings: &[(&str, &str)]) -> ScattererPaths {
+    let of: Vec<_> = of.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
+    let run = scene(RAIN, &[&of, settings, &[("fidelity.echo", "\"reference\"")]].concat());
+    factory(&run).scatterer_paths(index).unwrap().1
+}
+
+#[test]
+fn a_pulse_in_rain_does_not_depend_on_the_length_of_the_run() {
+    // The beam comes down into the rain: 12,000 points at the begin, 40,000 two seconds later.
+    let of = following(3000.0);
+    let at = |duration_s| {
+        paths_at(10, &of, &[("radar.window.start_us", "26.0"), ("scene.duration_s", duration_s)])
+    };
+    let (short, long) = (at("0.05"), at("4.0"));
+    println!("{} points", short.len());
+    assert!(short.len() > 8_000 && short.len() < 16_384);
+    assert!(short == long, "{} {}", short.len(), long.len());
+}
+
+#[test]
+fn a_beam_that_turns_into_rain_loses_nothing() {
+    // 45 degrees high when the slot begins, above the rain; 27 degrees a second later, wholly in it.
+    let of = following(0.0);
+    let paths = paths_at(995, &of, &[("radar.window.start_us", "28.7"), ("scene.duration_s", "2.0")]);
+    let ranges_m = [[4350.0, 4750.0], [4800.0, 5200.0]];
+    let shares = ranges_m.map(|ranges_m| power_w(&paths, 0, ranges_m) / expected_w(ranges_m));
+    println!("{} points, {shares:.4?} of the expected", paths.len());
+    // Some 17,000 points each, of exponential gains squared at most: 2 in a hundred, three of them.
+    assert!(paths.len() > 40_000 && shares.iter().all(|share| (share - 1.0).abs() < 0.06));
+}
+
+#[test]
+fn where_there_would_be_too_many_points_they_stand_for_more() {
+    // 1 km of range cells of 0.75 m in the rain would take 45,000 points.
+    let of = following(3000.0);
+    let paths = paths_at(0, &of, &[("radar.window.start_us", "18.0"), ("scene.duration_s", "0.05")]);
+    let share = power_w(&paths, 0, [2750.0, 3650.0]) / expected_w([2750.0, 3650.0]);
+    println!("{} points, {share:.4} of the expected", paths.len());
+    assert!(paths.len() > 8_000 && paths.len() < 16_384);
+    // Exponential gains squared at most: 2 in a hundred, three of them.
+    assert!((share - 1.0).abs() < 0.06);
 }
 
 /// Uniform numbers by Weyl's sequence.

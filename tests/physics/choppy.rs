@@ -329,7 +329,8 @@ fn facets_return_by_their_area() {
         worst = worst.max((choppy[i] / linear[i] / of.area[i] - 1.0).abs());
         least = least.min(of.area[i]);
     }
-    let total = choppy.iter().sum::<f64>() / linear.iter().sum::<f64>();
-    println!("areas from {least:.3}, powers off them by {worst:.1e}, in all {total:.4}");
-    assert!(least < 0.95 && worst < 0.01 && (total - 1.0).abs() < 2e-3, "{least} {worst} {total}");
+    // Crests that crowd are as many as troughs that spread: of the area, and so of the mean power.
+    let mean = of.area.iter().sum::<f64>() / 576.0;
+    println!("areas from {least:.3}, {mean:.6} in the mean, powers off them by {worst:.1e}");
+    assert!(least < 0.95 && worst < 0.01 && (mean - 1.0).abs() < 1e-3, "{least} {worst} {mean}");
 }

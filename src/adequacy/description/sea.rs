@@ -52,7 +52,7 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
             with.push(described("land", land_text(land)));
             without.push(described(
                 "land beyond the patch",
-                "[land] returns and hides facets within the patch alone; it hides targets, but no panels of ships, direct path or rain",
+                "[land] returns and hides facets within the patch alone; it hides targets and ships, but no direct path or rain",
             ));
         }
         None => without.push(described("land", "no [land]: no echo and no shadow of coasts")),

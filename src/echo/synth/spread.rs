@@ -147,11 +147,12 @@ impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUS
         for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
             place::<T, FUSED, W>(job, from, count, job.first.wrapping_add(pulse as i32), *shift, passes);
             let turned = |part: usize| job.turned.get((2 * pulse + part) * job.turned_stride + from..);
-            if let (false, Some(re), Some(im)) = (job.turned.is_empty(), turned(0), turned(1)) {
-                turn(re, im, &mut passes.cos[..count], &mut passes.sin[..count]);
-            }
-            if let Some(factors) = job.factors.get(pulse * job.factor_stride + from..) {
-                weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
+            let (cos, sin) = (&mut passes.cos[..count], &mut passes.sin[..count]);
+            let factors = job.factors.get(pulse * job.factor_stride + from..);
+            match (job.turned.is_empty(), turned(0), turned(1), factors) {
+                (false, Some(re), Some(im), Some(factors)) => turn(re, im, factors, cos, sin),
+                (_, _, _, Some(factors)) => weigh(factors, cos, sin),
+                _ => (),
             }
         }
     }
@@ -197,11 +198,14 @@ fn weigh<T: Scalar>(factors: &[T], cos: &mut [T], sin: &mut [T]) {
     }
 }
 
-/// Phasors times those of their scatterer paths.
+/// Phasors times those of their scatterer paths and their factors.
 #[inline(always)]
-fn turn<T: Scalar>(re: &[T], im: &[T], cos: &mut [T], sin: &mut [T]) {
-    for (((re, im), cos), sin) in re.iter().zip(im).zip(cos).zip(sin) {
-        (*cos, *sin) = (*cos * *re - *sin * *im, *cos * *im + *sin * *re);
+fn turn<T: Scalar>(re: &[T], im: &[T], factors: &[T], cos: &mut [T], sin: &mut [T]) {
+    let n = cos.len().min(re.len()).min(im.len()).min(factors.len()).min(sin.len());
+    let (re, im, factors, cos, sin) = (&re[..n], &im[..n], &factors[..n], &mut cos[..n], &mut sin[..n]);
+    for i in 0..n {
+        let (c, s) = (cos[i] * factors[i], sin[i] * factors[i]);
+        (cos[i], sin[i]) = (c * re[i] - s * im[i], c * im[i] + s * re[i]);
     }
 }
 

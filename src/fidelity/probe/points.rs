@@ -6,9 +6,10 @@
 //! followed, for all.
 //!
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and
-//! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as
-//! they are drawn, and in what is left with the most that they return at any pulse. Targets that crests hide
-//! count likewise: as hidden as they are, and not at all.
+//! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as they
+//! are drawn, and in what is left with the most that they return at any pulse. Targets that crests hide count
+//! likewise: as hidden as they are, and not at all. What land and ships hide is known beforehand: it counts as
+//! hidden as it is in both.
 //!
 //! What lifts a target is a Gaussian process: the largest of `N` stretches of the run exceeds the largest of
 //! the `n` that are followed by about `sqrt(ln N / ln n)`, by which what is left of such targets is

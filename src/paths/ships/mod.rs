@@ -8,7 +8,8 @@
 //! of its amplitude. Both change slowly, and go through the nodes of a block as other amplitudes do.
 //!
 //! What one part of a ship hides of another is found by rays every 0.25 s and cross-faded in between
-//! (`sight`): a factor of every pulse, never interpolated otherwise. A panel echoes where both antennas see it.
+//! (`sight`): a factor of every pulse, never interpolated otherwise; so is what land hides
+//! ([`Hills`](super::hidden::Hills)). A panel echoes where both antennas see it.
 //!
 //! Limits: one wave between two planes, met where the outline of the first panel falls as a whole; pairs are
 //! those met from a few hundred directions; neither crests nor other ships hide a ship,
@@ -31,11 +32,12 @@ use body::Body;
 
 pub(super) use hulls::Hulls;
 pub(super) use motion::Seas;
-use sight::Knots;
+use sight::{Knots, Seen};
 
 use crate::frames::{Enu, Point, SceneFrame};
 use crate::geometry::light_time::Path;
 use crate::motion::pointing::PhaseCentre;
+use crate::paths::hidden::Hills;
 use crate::scene::Ship;
 
 /// Time from one update of what hides what to the next, s.
@@ -45,7 +47,7 @@ const EVERY_S: f64 = 0.25;
 pub(super) type Matrix = [[Complex64; 2]; 2];
 
 /// The ships of a scene whose meshes echo.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Ships {
     bodies: Arc<[Body]>,
     knots: Arc<Knots>,
@@ -77,7 +79,7 @@ impl Ships {
         let meshed = ships.iter().filter(|ship| !ship.panels.is_empty());
         let bodies: Arc<[Body]> = meshed.map(|ship| Body::new(ship, seas)).collect();
         let elements = bodies.iter().map(|body| body.elements().len()).sum();
-        Self { bodies, knots: Arc::new(Knots::new(antennas)), elements }
+        Self { bodies, knots: Arc::new(Knots::new(antennas, elements)), elements }
     }
 
     /// The same, with what was found from other tracks forgotten.
@@ -145,14 +147,14 @@ impl Ships {
         }
     }
 
-    /// Appends the share of the field of every element and pair that passes what hides it, `[element][pair]`.
-    /// `centre` is where an antenna is at a time after pulse 0.
+    /// Appends the share of the field of every element and pair that passes what hides it, land too,
+    /// `[element][pair]`. `centre` is where an antenna is at a time after pulse 0.
     ///
     /// # Errors
     /// Those of `centre`.
     pub fn weights<E>(
         &self,
-        frame: &SceneFrame,
+        place: (&SceneFrame, Option<&Hills>),
         elapsed_s: f64,
         pairs: &[[usize; 2]],
         centre: impl Fn(usize, f64) -> Result<PhaseCentre, E>,
@@ -161,16 +163,27 @@ impl Ships {
         if self.is_empty() {
             return Ok(());
         }
-        let (ends, share) = self.knots.about(&self.bodies, frame, elapsed_s, centre)?;
-        for element in 0..self.elements {
-            for [tx, rx] in pairs {
-                let [before, after] = ends
-                    .each_ref()
-                    .map(|seen| f64::from(u8::from(seen.has(*tx, element) && seen.has(*rx, element))));
-                out.push(before + share * (after - before));
+        let seen = |seen: &Seen, element: usize, [tx, rx]: [usize; 2]| {
+            f64::from(u8::from(seen.has(tx, element) && seen.has(rx, element)))
+        };
+        let ((number, share), first) = (Knots::before(elapsed_s), out.len());
+        self.knots.at(number, &self.bodies, place, &centre, |before| {
+            let of = |element| pairs.iter().map(move |pair| seen(before, element, *pair));
+            out.extend((0..self.elements).flat_map(of));
+        })?;
+        self.knots.at(number + 1, &self.bodies, place, &centre, |after| {
+            for (element, weights) in out[first..].chunks_exact_mut(pairs.len().max(1)).enumerate() {
+                for (weight, pair) in weights.iter_mut().zip(pairs) {
+                    *weight += share * (seen(after, element, *pair) - *weight);
+                }
             }
-        }
-        Ok(())
+        })
+    }
+}
+
+impl Default for Ships {
+    fn default() -> Self {
+        Self::new(&[], [0; 2], None)
     }
 }
 
@@ -214,7 +227,7 @@ mod tests {
         let ships = Ships::new(&[ship(panels)], [1, 1], None);
         let end = PhaseCentre::at_rest(Point::from_raw(place));
         let mut weights = Vec::new();
-        ships.weights(&frame, 0.0, &[[0, 1]], |_, _| Ok::<_, ()>(end), &mut weights).unwrap();
+        ships.weights((&frame, None), 0.0, &[[0, 1]], |_, _| Ok::<_, ()>(end), &mut weights).unwrap();
         let scenery = Scenery { centres: &[end, end], frame: &frame, elapsed_s: 0.0 };
         let mut sum = [Complex64::ZERO; 2];
         ships.visit(&scenery, &[[0, 1]], WAVE_NUMBER, |Echoing { element, path, matrix, .. }| {

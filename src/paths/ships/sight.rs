@@ -1,25 +1,38 @@
-//! What of a ship antennas see, at knots of the run.
+//! What of a ship antennas see past the ship itself and land, at knots of the run.
 //!
 //! Knots are [`EVERY_S`] apart. Antennas are taken straight on from the knot before (live navigation knows
 //! nothing later), so what is seen at a knot depends on nothing but the tracks up to the one before, and joins
 //! there. Every knot is found once, and the last ones are kept: a bit for each antenna and element.
 
-use std::sync::Arc;
+use glam::DVec3;
 
 use super::EVERY_S;
 use super::body::Body;
 use crate::frames::SceneFrame;
 use crate::motion::pointing::PhaseCentre;
+use crate::paths::hidden::{Hills, Skyline};
 use crate::paths::kept::Kept;
 
+/// Knots that are kept: those of 16 s.
+const KEPT: usize = 64;
+
 /// What antennas see: bits, `[antenna][element]`.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Seen {
     words: usize,
     bits: Box<[u64]>,
+    /// Where antennas are, in the scene and in the axes of a ship, with the land between.
+    places_m: Vec<DVec3>,
+    from_m: Vec<(DVec3, Option<Skyline>)>,
 }
 
 impl Seen {
+    fn new(antennas: usize, elements: usize) -> Self {
+        let words = elements.div_ceil(64);
+        let (places_m, from_m) = (Vec::with_capacity(antennas), Vec::with_capacity(antennas));
+        Self { words, bits: vec![0; words * antennas].into(), places_m, from_m }
+    }
+
     /// Whether an antenna sees an element.
     pub fn has(&self, antenna: usize, element: usize) -> bool {
         self.bits.get(antenna * self.words + element / 64).is_some_and(|word| word >> (element % 64) & 1 == 1)
@@ -27,74 +40,84 @@ impl Seen {
 }
 
 /// What antennas see at the knots of a run.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Knots {
     antennas: usize,
     /// They come first.
     transmitters: usize,
-    kept: Kept<Seen>,
+    elements: usize,
+    kept: Kept<i64, Seen>,
 }
 
 impl Knots {
-    pub fn new([transmitters, receivers]: [usize; 2]) -> Self {
-        Self { antennas: transmitters + receivers, transmitters, kept: Kept::default() }
+    /// Of so many transmitters and receivers, and elements of all ships.
+    pub fn new([transmitters, receivers]: [usize; 2], elements: usize) -> Self {
+        let antennas = transmitters + receivers;
+        Self { antennas, transmitters, elements, kept: Self::nothing(antennas, elements) }
+    }
+
+    fn nothing(antennas: usize, elements: usize) -> Kept<i64, Seen> {
+        Kept::new(if elements > 0 { KEPT } else { 0 }, || Seen::new(antennas, elements))
     }
 
     /// The same knots, with nothing known.
     pub fn renewed(&self) -> Self {
-        Self { kept: Kept::default(), ..*self }
+        Self { kept: Self::nothing(self.antennas, self.elements), ..*self }
     }
 
-    /// What is seen at the knots about a time, and how far it is from the first to the second.
-    pub fn about<E>(
-        &self,
-        bodies: &[Body],
-        frame: &SceneFrame,
-        elapsed_s: f64,
-        centre: impl Fn(usize, f64) -> Result<PhaseCentre, E>,
-    ) -> Result<([Arc<Seen>; 2], f64), E> {
+    /// The knot before a time after pulse 0, and how far it is from there to the next.
+    pub fn before(elapsed_s: f64) -> (i64, f64) {
         let at = (elapsed_s / EVERY_S).max(0.0);
         // Runs are shorter than 2^53 knots.
-        let number = at.floor() as u64;
-        let [before, after] = [number, number + 1].map(|number| self.knot(number, bodies, frame, &centre));
-        Ok(([before?, after?], at.fract()))
+        (at.floor() as i64, at.fract())
     }
 
-    fn knot<E>(
+    /// Hands over what is seen at a knot; `centre` is where an antenna is at a time after pulse 0.
+    ///
+    /// # Errors
+    /// Those of `centre`.
+    pub fn at<E>(
         &self,
-        number: u64,
+        number: i64,
         bodies: &[Body],
-        frame: &SceneFrame,
+        (frame, hills): (&SceneFrame, Option<&Hills>),
         centre: impl Fn(usize, f64) -> Result<PhaseCentre, E>,
-    ) -> Result<Arc<Seen>, E> {
+        each: impl FnOnce(&Seen),
+    ) -> Result<(), E> {
         let time_s = number as f64 * EVERY_S;
-        let known_s = number.saturating_sub(1) as f64 * EVERY_S;
-        let mut places_m = Vec::with_capacity(self.antennas);
-        for antenna in 0..self.antennas {
-            let PhaseCentre { position, velocity, .. } = centre(antenna, known_s)?;
-            places_m.push((position + velocity * (time_s - known_s)).raw());
-        }
-        Ok(self.kept.get(number, || {
-            let elements: usize = bodies.iter().map(|body| body.elements().len()).sum();
-            let words = elements.div_ceil(64);
-            let mut bits = vec![0u64; words * self.antennas].into_boxed_slice();
+        let known_s = (number - 1).max(0) as f64 * EVERY_S;
+        let find = |Seen { words, bits, places_m, from_m }: &mut Seen| {
+            places_m.clear();
+            for antenna in 0..self.antennas {
+                let PhaseCentre { position, velocity, .. } = centre(antenna, known_s)?;
+                places_m.push((position + velocity * (time_s - known_s)).raw());
+            }
+            bits.fill(0);
             let mut element = 0;
             for body in bodies {
                 let pose = body.sailing().pose(frame, time_s);
-                let from_m: Vec<_> = places_m
-                    .iter()
-                    .map(|place_m| pose.axes.transpose() * (*place_m - pose.origin_m))
-                    .collect();
+                let scene_m = |own_m: DVec3| pose.origin_m + pose.axes * own_m;
+                from_m.clear();
+                from_m.extend(places_m.iter().map(|place_m| {
+                    let skyline = hills.and_then(|hills| hills.along(body.ends_m(), scene_m, *place_m));
+                    (pose.axes.transpose() * (*place_m - pose.origin_m), skyline)
+                }));
                 for own in body.elements() {
-                    for (antenna, from_m) in from_m.iter().enumerate() {
-                        if body.sees(own, *from_m, antenna < self.transmitters) {
-                            bits[antenna * words + element / 64] |= 1 << (element % 64);
+                    for (antenna, (from_m, skyline)) in from_m.iter().enumerate() {
+                        let sends = antenna < self.transmitters;
+                        let passes = |skyline: &Skyline| {
+                            let at_m = body.at_m(own, sends);
+                            skyline.passes(at_m.x, scene_m(at_m).z)
+                        };
+                        if skyline.as_ref().is_none_or(passes) && body.sees(own, *from_m, sends) {
+                            bits[antenna * *words + element / 64] |= 1 << (element % 64);
                         }
                     }
                     element += 1;
                 }
             }
-            Seen { words, bits }
-        }))
+            Ok(())
+        };
+        self.kept.with(number, find, each)
     }
 }

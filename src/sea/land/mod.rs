@@ -112,6 +112,13 @@ impl Dem {
         self.raster.at(place, self.sea_level_m) - self.sea_level_m
     }
 
+    /// Whether a facet of a side is land: the mean of its corners lies above the sea.
+    pub fn is_land(&self, [x, y]: [i64; 2], facet_m: f64) -> bool {
+        let corner = |key: i64| key as f64 * facet_m - 0.5 * facet_m;
+        let height_m = |right: i64, up: i64| self.height_m([corner(x + right), corner(y + up)]);
+        0.25 * (height_m(0, 0) + height_m(1, 0) + height_m(0, 1) + height_m(1, 1)) > 0.0
+    }
+
     /// Random phasors of a facet.
     fn phasors(&self, key: [i64; 2]) -> [[f32; 2]; 3] {
         let mut random = stream(self.seed, Room::LandPhase, key[0] as u64, key[1] as u64);
