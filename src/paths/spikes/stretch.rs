@@ -35,6 +35,14 @@ const TURN_RAD: f64 = 0.03;
 /// What a cubic may leave of the carrier's phase, rad.
 const PHASE_RAD: f64 = 1e-4;
 
+/// Room for what the pulses of a stretch have in common.
+#[derive(Clone, Default)]
+pub(in crate::paths) struct Buffers {
+    emissions: Vec<Emission>,
+    /// After pulse 0.
+    elapsed_s: Vec<f64>,
+}
+
 /// Pulses of a block that are made together.
 pub struct Stretch<'a> {
     /// First pulse of the block.
@@ -109,7 +117,7 @@ impl PathGenerator {
         if !self.antennas.iter().all(is_real) {
             return Ok(false);
         }
-        let Workspace { emissions, elapsed_s, amplitude, .. } = workspace;
+        let Workspace { stretch: Buffers { emissions, elapsed_s }, amplitude, .. } = workspace;
         let first = stretch.block + stretch.pulses.start as u64;
         let count = stretch.pulses.len();
         emissions.resize_with(count.max(emissions.len()), Emission::default);
