@@ -213,7 +213,12 @@ mod tests {
         let plan = |of: &Patch, follows| BreakingPlan::new(law, &surface, (of, follows), None).unwrap();
         let on = |plan: &BreakingPlan, patch: &Patch| {
             let mut found = Vec::new();
-            plan.each(patch, 20.3, |Riding { breaker, height_m }| found.push((*breaker, *height_m))).unwrap();
+            let each = |riding: &Riding| {
+                if riding.breaker.envelope(20.3) > 0.0 {
+                    found.push((riding.breaker, riding.height_m));
+                }
+            };
+            plan.each(patch, [20.3; 2], each).unwrap();
             found
         };
         let follows = plan(&patch, true);

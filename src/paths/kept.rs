@@ -164,6 +164,16 @@ mod tests {
         // Those about the end are still there; the first is not, and once found again it is kept.
         assert_eq!(found, 100_001);
         assert_eq!(kept.with(7, |_| Err("no track"), |_| ()), Err("no track"));
-        assert_eq!(kept.with(7, |place| Ok::<_, &str>(*place = 2), |place| *place), Ok(2));
+        assert_eq!(
+            kept.with(
+                7,
+                |place| {
+                    *place = 2;
+                    Ok::<_, &str>(())
+                },
+                |place| *place,
+            ),
+            Ok(2)
+        );
     }
 }

@@ -218,13 +218,10 @@ pub struct PathGenerator {
 pub struct Workspace {
     own: Emission,
     other: Emission,
-    /// Of a stretch of pulses.
-    emissions: Vec<Emission>,
-    elapsed_s: Vec<f64>,
+    stretch: spikes::stretch::Buffers,
     amplitude: Vec<Complex64>,
     ships: ShipWork,
     sea: Option<SeaWork>,
-    /// Of antennas.
     places: Vec<Point<Enu>>,
     /// What this thread has spent.
     pub costs: Costs,
@@ -390,13 +387,11 @@ impl PathGenerator {
     /// Buffers for [`Self::pulse`].
     pub fn workspace(&self) -> Workspace {
         let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
-        // The sea's own buffers are large, and blocks of pulses do without them: they are made when they are
-        // first asked for.
-        let costs = Costs::default();
+        // The sea's own buffers are large, and blocks of pulses do without: they are made when first asked for.
         let [own, other] = [(); 2].map(|()| Emission::default());
         let places = Vec::with_capacity(self.antennas.len());
-        let (emissions, elapsed_s, ships) = (Vec::new(), Vec::new(), self.ship_work());
-        Workspace { own, other, emissions, elapsed_s, amplitude, ships, sea: None, places, costs }
+        let (stretch, ships) = (Default::default(), self.ship_work());
+        Workspace { own, other, stretch, amplitude, ships, sea: None, places, costs: Costs::default() }
     }
 
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,

@@ -118,7 +118,12 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
         let amplitude = amplitude.map(|power| &power[part.clone()]);
         let groups = job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride));
         for (pulse, (shifts, grids)) in (0..).step_by(TOGETHER).zip(groups) {
-            variant.run(Place::<T, FUSED, W> { job, part: part.clone(), pulse, shifts, passes: &mut passes });
+            let (part, passes) = (part.clone(), &mut passes);
+            if job.turned.is_empty() {
+                variant.run(Place::<T, FUSED, W, false> { job, part, pulse, shifts, passes });
+            } else {
+                variant.run(Place::<T, FUSED, W, true> { job, part, pulse, shifts, passes });
+            }
             let first = job.amplitude_first + pulse as i32;
             let passes = &passes[..shifts.len()];
             variant.run(Scatter::<T, FUSED, W, C, P> { job, passes, amplitude, first, grids });
@@ -127,8 +132,9 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
     }
 }
 
-/// Phasors, first cells and weights of a chunk at some pulses.
-struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize> {
+/// Phasors, first cells and weights of a chunk at some pulses; what turns amplitudes is compiled apart, for the
+/// loops of those that nothing turns are slower beside it.
+struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool> {
     job: &'a Job<'j, T>,
     part: Range<usize>,
     /// First of the pulses within the share.
@@ -137,7 +143,9 @@ struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize> {
     passes: &'a mut [Passes<T, W>; TOGETHER],
 }
 
-impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUSED, W> {
+impl<T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool> Task
+    for Place<'_, '_, T, FUSED, W, TURNED>
+{
     type Output = ();
 
     #[inline(always)]
@@ -149,10 +157,12 @@ impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUS
             let turned = |part: usize| job.turned.get((2 * pulse + part) * job.turned_stride + from..);
             let (cos, sin) = (&mut passes.cos[..count], &mut passes.sin[..count]);
             let factors = job.factors.get(pulse * job.factor_stride + from..);
-            match (job.turned.is_empty(), turned(0), turned(1), factors) {
-                (false, Some(re), Some(im), Some(factors)) => turn(re, im, factors, cos, sin),
-                (_, _, _, Some(factors)) => weigh(factors, cos, sin),
-                _ => (),
+            if !TURNED {
+                if let Some(factors) = factors {
+                    weigh(factors, cos, sin);
+                }
+            } else if let (Some(re), Some(im), Some(factors)) = (turned(0), turned(1), factors) {
+                turn(re, im, factors, cos, sin);
             }
         }
     }

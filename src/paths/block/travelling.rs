@@ -146,11 +146,10 @@ impl Task for TurnGroup<'_> {
         let Self { lines, mechanism, from, keys, ends, times, turns, turned } = self;
         let mut looks: [Looks; 2] = [[[0.0; GROUP]; 3]; 2];
         for (looks, paths) in looks.iter_mut().zip(ends) {
-            for axis in 0..3 {
-                let scattered = of_group(&paths.scattered[axis], from);
-                let incident = of_group(&paths.incident[axis], from);
+            for ((look, scattered), incident) in looks.iter_mut().zip(&paths.scattered).zip(&paths.incident) {
+                let (scattered, incident) = (of_group(scattered, from), of_group(incident, from));
                 for i in 0..GROUP {
-                    looks[axis][i] = f64::from(scattered[i]) - f64::from(incident[i]);
+                    look[i] = f64::from(scattered[i]) - f64::from(incident[i]);
                 }
             }
         }

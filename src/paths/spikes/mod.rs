@@ -1,6 +1,6 @@
 //! Breaking waves as scatterer paths.
 //!
-//! A breaker ([`super::breaking`]) is a point that runs straight on, with the cross section of
+//! A breaker (`super::breaking`) is a point that runs straight on, with the cross section of
 //! [`crate::scattering::breaking`] and a phase of its own. It is seen as the facets under it are: with their weights, bilinear
 //! between the four nearest, so that nothing jumps as it runs from facet to facet. The reference finds these
 //! paths exactly and at every pulse; the fast echo takes what is smooth through a few pulses ([`stretch`]).

@@ -4,9 +4,9 @@
 //! cubics through the nodes. Gains, the breaker's envelope and its visibility are found at every pulse and
 //! multiply the amplitude. A stretch is left to be made shorter, or exactly, where
 //!
-//! - a direction turns by more than [`TURN_RAD`], or by a tenth of what it is off the vertical, where H and V
+//! - a direction turns by more than `TURN_RAD`, or by a tenth of what it is off the vertical, where H and V
 //!   turn with it: matrices are cubics within 1e-4 then;
-//! - the rate at either end is not that of the cubic, by what leaves more than [`PHASE_RAD`] of phase: with
+//! - the rate at either end is not that of the cubic, by what leaves more than `PHASE_RAD` of phase: with
 //!   nodes a third of a stretch `T` apart a fourth derivative leaves at most `T/18` times the error of the rate.
 //!
 //! It goes by what antennas and breakers do in these pulses alone. Antennas of measured pattern have complex
@@ -34,6 +34,14 @@ use crate::sea::wake::WakeError;
 const TURN_RAD: f64 = 0.03;
 /// What a cubic may leave of the carrier's phase, rad.
 const PHASE_RAD: f64 = 1e-4;
+
+/// Room for what the pulses of a stretch have in common.
+#[derive(Clone, Default)]
+pub(in crate::paths) struct Buffers {
+    emissions: Vec<Emission>,
+    /// After pulse 0.
+    elapsed_s: Vec<f64>,
+}
 
 /// Pulses of a block that are made together.
 pub struct Stretch<'a> {
@@ -82,7 +90,7 @@ impl Slopes {
 fn turns(from: &Path, to: &Path) -> bool {
     [(from.incident, to.incident), (from.scattered, to.scattered)].into_iter().any(|(a, b)| {
         let level = (a.x * a.x + a.y * a.y).min(b.x * b.x + b.y * b.y);
-        !(a.distance_squared(b) <= (TURN_RAD * TURN_RAD).min(0.01 * level))
+        a.distance_squared(b) > (TURN_RAD * TURN_RAD).min(0.01 * level)
     })
 }
 
@@ -109,7 +117,7 @@ impl PathGenerator {
         if !self.antennas.iter().all(is_real) {
             return Ok(false);
         }
-        let Workspace { emissions, elapsed_s, amplitude, .. } = workspace;
+        let Workspace { stretch: Buffers { emissions, elapsed_s }, amplitude, .. } = workspace;
         let first = stretch.block + stretch.pulses.start as u64;
         let count = stretch.pulses.len();
         emissions.resize_with(count.max(emissions.len()), Emission::default);
