@@ -93,6 +93,7 @@
 mod append;
 mod aspect;
 mod breaking;
+mod dimmed;
 pub mod drops;
 mod facets;
 mod heave;

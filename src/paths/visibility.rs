@@ -12,6 +12,7 @@
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
 use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
+use crate::paths::dimmed::Area;
 use crate::paths::ships::Hulls;
 use crate::scene::Patch;
 use crate::sea::facet_surface::FacetSurface;
@@ -48,6 +49,8 @@ pub(super) struct Update<T: Real = f64> {
     /// `[antenna]`: `None` where the geometry cannot shadow.
     illuminated: Vec<bool>,
     weights: Vec<Vec<T>>,
+    /// `[antenna]`: outside of it weights are one; `None` where nothing is known of them.
+    dimmed: Vec<Option<Area>>,
 }
 
 /// The two updates around an instant, and what makes them: in f64, or from heights in f32.
@@ -228,7 +231,7 @@ impl Visibility {
         places: &[Point<Enu>],
         update: &mut Update,
     ) -> Result<(), ShadowError> {
-        let patch = &update.patch;
+        let patch = update.patch;
         for (row, heights_m) in heights_m.chunks_exact_mut(patch.facets[0]).enumerate() {
             for (column, z) in heights_m.iter_mut().enumerate() {
                 *z -= lower(patch.centre_m([patch.first[0] + column as i64, patch.first[1] + row as i64]));
@@ -239,31 +242,36 @@ impl Visibility {
         for antenna in 0..places.len() {
             // Antennas at one place see the same.
             if let Some(twin) = places[..antenna].iter().position(|place| *place == places[antenna]) {
-                update.illuminated[antenna] = update.illuminated[twin];
-                let (before, from) = update.weights.split_at_mut(antenna);
-                from[0].copy_from_slice(&before[twin]);
+                update.see_as(antenna, twin);
                 continue;
             }
             let place = places[antenna];
             let waves = self.waves && !relief.cannot_shadow(&map, place, self.settings);
-            let earth = !self.within_horizon(place, patch);
+            let earth = !self.within_horizon(place, &patch);
             let mut whole = !waves && !earth;
-            let weights = &mut update.weights[antenna];
+            let (weights, dimmed) = (&mut update.weights[antenna], &mut update.dimmed[antenna]);
+            if !whole {
+                *dimmed = None;
+            }
             if waves {
                 shadow.weights(&map, place, weights)?;
             } else if earth {
                 weights.fill(1.0);
             }
             if earth {
-                self.set_behind_earth(place, patch, heights_m, weights);
+                self.set_behind_earth(place, &patch, heights_m, weights);
             }
             if let Some(hulls) = &self.hulls {
-                hulls.hide(time_s, place.raw(), patch, heights_m, |facet| {
-                    if std::mem::take(&mut whole) {
-                        weights.fill(1.0);
-                    }
+                let width = patch.facets[0];
+                let mut area = whole.then(|| Area::brighten(weights, dimmed.take(), width));
+                hulls.hide(time_s, place.raw(), &patch, heights_m, |facet| {
+                    whole = false;
                     weights[facet] = 0.0;
+                    if let Some(area) = &mut area {
+                        area.add(facet, width);
+                    }
                 });
+                *dimmed = area;
             }
             update.illuminated[antenna] = whole;
         }
@@ -298,6 +306,7 @@ impl Visibility {
             patch: *patch,
             illuminated: vec![false; self.ends],
             weights: vec![vec![0.0; patch.len()]; self.ends],
+            dimmed: vec![None; self.ends],
         }
     }
 
@@ -327,7 +336,22 @@ impl Update {
             patch: self.patch,
             illuminated: self.illuminated.clone(),
             weights: weights.collect(),
+            dimmed: self.dimmed.clone(),
         }
+    }
+
+    /// An antenna sees what one before it sees.
+    fn see_as(&mut self, antenna: usize, twin: usize) {
+        self.illuminated[antenna] = self.illuminated[twin];
+        let (before, from) = self.weights.split_at_mut(antenna);
+        match (&self.dimmed[twin], &self.dimmed[antenna]) {
+            (Some(area), Some(held)) => {
+                let width = self.patch.facets[0];
+                area.copy(&before[twin], (held, &mut from[0]), width, (1.0, |weight| weight));
+            }
+            _ => from[0].copy_from_slice(&before[twin]),
+        }
+        self.dimmed[antenna] = self.dimmed[twin].clone();
     }
 
     /// Weight of the facet with a global key from an antenna, 0 to 1.
@@ -341,6 +365,7 @@ impl Update<f32> {
     fn copy_from(&mut self, other: &Update) {
         (self.number, self.patch) = (other.number, other.patch);
         self.illuminated.copy_from_slice(&other.illuminated);
+        self.dimmed.clone_from_slice(&other.dimmed);
         for (to, from) in self.weights.iter_mut().zip(&other.weights) {
             to.iter_mut().zip(from).for_each(|(to, from)| *to = *from as f32);
         }
@@ -348,8 +373,21 @@ impl Update<f32> {
 }
 
 impl<T: Real> Update<T> {
-    /// Weights of all facets of a patch from an antenna, in its order.
-    pub fn weights_over(&self, antenna: usize, patch: &Patch, out: &mut Vec<f32>) {
+    /// Weights of all facets of a patch from an antenna, in its order, and outside of which area they are one; what
+    /// is there already is of another update.
+    pub fn copy_over(&self, antenna: usize, patch: &Patch, (out, held): (&mut Vec<f32>, &mut Option<Area>)) {
+        let area = self.dimmed[antenna].as_ref().filter(|_| self.patch == *patch);
+        match (area, &held) {
+            (Some(area), Some(held)) if out.len() == patch.len() => {
+                let convert = |weight: T| weight.widen() as f32;
+                area.copy(&self.weights[antenna], (held, out), patch.facets[0], (1.0, convert));
+            }
+            _ => self.weights_over(antenna, patch, out),
+        }
+        *held = area.cloned();
+    }
+
+    fn weights_over(&self, antenna: usize, patch: &Patch, out: &mut Vec<f32>) {
         out.clear();
         let own = &self.weights[antenna];
         let [width, first_x] = [patch.facets[0] as i64, patch.first[0]];

@@ -126,6 +126,7 @@ impl PathGenerator {
             fall,
             shadow_updates,
             seen,
+            dims,
             tile,
             ..
         } = work;
@@ -172,14 +173,16 @@ impl PathGenerator {
         }
         let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         seen.resize(shadow_updates.len() * ends, [1.0; LANES]);
-        for (row, weights) in
-            seen.iter_mut().zip(shadow_updates.iter().flat_map(|update_weights| &update_weights.weights))
-        {
-            if weights.is_empty() {
-                row.fill(1.0);
+        dims.clear();
+        for (n, row) in seen.iter_mut().enumerate() {
+            let (update, antenna) = (&shadow_updates[n / ends], n % ends);
+            let own = update.dims(antenna, runs, nx);
+            if own {
+                variant.run(Gather { runs, from: &update.weights[antenna], to: row });
             } else {
-                variant.run(Gather { runs, from: weights, to: row });
+                row.fill(1.0);
             }
+            dims.push(own);
         }
     }
 
@@ -519,7 +522,7 @@ impl PathGenerator {
 
     /// Factors of every pulse: gains, shadows, facets that turn away.
     fn factors(&self, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, gain_rows, timings, shadow_updates, shares, seen, tile, .. } = work;
+        let TileWork { variant, gain_rows, timings, shadow_updates, shares, seen, dims, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let points = timing.gain_points();
         let plan = &self.plans[pair];
@@ -537,8 +540,7 @@ impl PathGenerator {
             // Where the next update adds nothing it may not be there.
             let next = (before + 1).min(shadow_updates.len().saturating_sub(1));
             for antenna in antennas.into_iter().filter(|antenna| *antenna < ends) {
-                let shadowed = |update: usize| !shadow_updates[update].weights[antenna].is_empty();
-                if shadowed(before) || shadowed(next) {
+                if [before, next].iter().any(|update| dims[update * ends + antenna]) {
                     let of = |update: usize| &seen[update * ends + antenna];
                     variant.run(Shadowed { count, from: of(before), to: of(next), share, out });
                 }

@@ -143,8 +143,9 @@ pub struct TileWork {
     areas: Vec<Row>,
     /// `[pair][instant]`.
     gain_rows: Vec<Vec<Row>>,
-    /// `[update][antenna]`.
+    /// `[update][antenna]`, and whether any facet of the tile may be hidden.
     seen: Vec<Row>,
+    dims: Vec<bool>,
     tile: Tile,
 }
 
@@ -322,6 +323,7 @@ impl SeaPlan {
             areas: vec![[0.0; LANES]; if self.choppy.is_some() { NODES } else { 0 }],
             gain_rows: vec![Vec::new(); channels.len()],
             seen: Vec::new(),
+            dims: Vec::new(),
             tile: Tile {
                 count: 0,
                 tier: Tier::Mainlobe,
