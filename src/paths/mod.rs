@@ -99,6 +99,7 @@ mod facets;
 mod heave;
 mod hidden;
 mod lifted;
+mod mesh;
 mod multipath;
 mod nodes;
 mod panels;
@@ -133,6 +134,7 @@ use crate::paths::emission::{Circumstances, Emission, TrackFailure};
 use crate::paths::heave::Heave;
 use crate::paths::hidden::Hills;
 use crate::paths::list::ScattererPaths;
+use crate::paths::mesh::MeshWork;
 use crate::paths::multipath::{Image, Mirror};
 use crate::paths::ships::Ships;
 use crate::pulse::costs::{Costs, Stage};
@@ -220,6 +222,8 @@ pub struct Workspace {
     sea: Option<SeaWork>,
     /// Of antennas.
     places: Vec<Point<Enu>>,
+    /// Made when it is first asked for.
+    mesh: Option<Box<MeshWork>>,
     /// What this thread has spent.
     pub costs: Costs,
 }
@@ -384,7 +388,7 @@ impl PathGenerator {
         // first asked for.
         let costs = Costs::default();
         let [own, other] = [(); 2].map(|()| Emission::default());
-        Workspace { own, other, amplitude, sea: None, places: Vec::new(), costs }
+        Workspace { own, other, amplitude, sea: None, places: Vec::new(), mesh: None, costs }
     }
 
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,

@@ -4,7 +4,7 @@ use num_complex::Complex32;
 
 use super::TileWork;
 use super::factor::{Illuminated, Shadowed, Stretched, Turn, Turns, Weigh};
-use super::gain::{Gains, Sighted, is_real};
+use super::gain::{Gains, Sighted};
 use super::instants::Tier;
 use super::runs::Gather;
 use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
@@ -104,7 +104,7 @@ impl PathGenerator {
         [of.transmitter, self.radar.transmitters.len() + of.receiver]
             .iter()
             .map(|antenna| &self.antennas[*antenna])
-            .filter(|antenna| is_real(antenna))
+            .filter(|antenna| antenna.is_real())
             .map(|antenna| antenna.field_gain(ahead).re.abs())
             .product()
     }
@@ -309,7 +309,7 @@ impl PathGenerator {
     }
 
     /// Axes of an antenna of a pair at an emission, and their change in a second.
-    fn axes_of(&self, emission: &Emission, antenna: usize) -> (Axes, Axes) {
+    pub(super) fn axes_of(&self, emission: &Emission, antenna: usize) -> (Axes, Axes) {
         let now = emission.axes(antenna);
         if self.axes_span_s > 0.0 {
             let later = emission.axes_after(antenna, self.axes_span_s, self.axes_span_s);
@@ -429,7 +429,7 @@ impl PathGenerator {
             }
         }
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
-            if !is_real(&self.antennas[antenna]) {
+            if !self.antennas[antenna].is_real() {
                 self.complex_gain(antenna, axes, change, end, view, out, count);
             }
         }

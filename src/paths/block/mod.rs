@@ -32,6 +32,7 @@ mod gain;
 mod instants;
 mod illuminate;
 mod epoch;
+mod panels;
 mod phasors;
 pub mod runs;
 pub mod probe;
@@ -62,6 +63,7 @@ pub use instants::{
     EPOCH_POINTS, EPOCHS, EPOCHS_PER_NODE, GAIN_POINTS, Instants, NODES, SIDELOBE_NODES, Sidelobe, Tier,
     Tiers, epochs_about, gain_instants, gain_step, gain_weights, nodes_within, sidelobe_gain_pulses,
 };
+pub use panels::PanelWork;
 use phasors::Phasors;
 use runs::{Cut, Run};
 use shadows::{Heights, Maker, ShadowWeights};
