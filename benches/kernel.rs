@@ -3,7 +3,7 @@
 //!
 //! `cargo bench --bench kernel [-- CONTACTS]` (default 262144). A patch of 512 m x 512 m seen from 3 km at 45
 //! degrees, 64 pulses at 222 Hz, four channels. Figures are medians of five runs, in time of the thread on
-//! its core where Linux tells (other work on the machine then disturbs less), else by the clock.
+//! its core where Linux reports it (other work on the machine then disturbs less), else by the clock.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::sync::Arc;

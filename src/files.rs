@@ -275,7 +275,8 @@ fn sync(path: &Path) -> Result<(), FileFault> {
 }
 
 impl Draft {
-    /// An output that the caller makes at [`Self::path`], where nothing is yet, and reports by [`Self::made`].
+    /// An output that the caller makes at [`Self::path`], where nothing is yet, and reports by
+    /// [`Self::made`].
     pub fn named(target: &Path) -> Self {
         let target = resolved(target);
         let at = private_name(&target);

@@ -331,7 +331,7 @@ impl Earth {
     }
 }
 
-/// The scene's ENU frame: where its origin lies on Earth (if anywhere) and how the sea curves.
+/// The scene's ENU frame: where its origin is on Earth (if it is georeferenced) and how the sea curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneFrame {
     origin: Option<Geodetic>,
@@ -342,7 +342,7 @@ pub struct SceneFrame {
 }
 
 impl SceneFrame {
-    /// A plain local frame that lies nowhere on Earth.
+    /// A plain local frame that is not georeferenced.
     pub fn plain(earth: Earth) -> Self {
         Self { origin: None, ecef_origin_m: DVec3::ZERO, to_enu: DMat3::IDENTITY, earth, horizon: true }
     }

@@ -88,7 +88,7 @@ impl Samples {
     }
 }
 
-/// Where a platform is, or says it is, at the emission of a pulse (ENU of the scene's origin).
+/// Where a platform is, or reports to be, at the emission of a pulse (ENU of the scene's origin).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlatformRecord {
     /// Position, metres.

@@ -1,4 +1,4 @@
-//! Counter-based random streams keyed by (seed, room, index, part).
+//! Counter-based random streams keyed by (seed, purpose, index, part).
 //!
 //! A stream is a ChaCha8 generator whose 256-bit key *is* the address, so the numbers of pulse 1000,
 //! channel 2 are the same whatever was drawn before, by whichever thread.
@@ -14,7 +14,8 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// Who draws. The numbers are part of the format of a run: never reuse one.
+/// What numbers are drawn for: one stream each, so that none depends on another. The values are part of the
+/// format of a run: never reuse one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Room {
@@ -38,7 +39,7 @@ pub enum Room {
     /// the box.
     RainDrop = 40,
     /// Bytes of a recording that are corrupted on purpose.
-    SpoiledBytes = 48,
+    CorruptedBytes = 48,
     /// Errors of a platform's report: index = platform * 256 + axis, part = epoch of the report (two's
     /// complement).
     ReportErrors = 32,
@@ -55,9 +56,9 @@ pub enum Room {
 }
 
 /// The stream at an address.
-pub fn stream(seed: u64, room: Room, index: u64, part: u64) -> ChaCha8Rng {
+pub fn stream(seed: u64, purpose: Room, index: u64, part: u64) -> ChaCha8Rng {
     let mut key = [0u8; 32];
-    for (bytes, word) in key.chunks_exact_mut(8).zip([seed, room as u64, index, part]) {
+    for (bytes, word) in key.chunks_exact_mut(8).zip([seed, purpose as u64, index, part]) {
         bytes.copy_from_slice(&word.to_le_bytes());
     }
     ChaCha8Rng::from_seed(key)

@@ -1,7 +1,7 @@
 //! Physical constants, decibels, and figures as text.
 //!
 //! Quantities carry their unit in the name (`carrier_hz`, `delay_s`, `range_m`); the few numbers
-//! that are easy to mistake for one another at the door of a module are newtypes.
+//! that are easy to mistake for one another at the interface of a module are newtypes.
 
 /// Speed of light in vacuum, m/s (exact).
 pub const SPEED_OF_LIGHT_MPS: f64 = 299_792_458.0;

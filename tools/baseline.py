@@ -7,7 +7,7 @@
 2. `nereus run CONFIG --pulses N..N+1` records that pulse without noise and converter, with the scenario's own echo and with the reference.
 3. The echo is made from the paths here, in several ways, and each is compared with both recordings.
 4. Each way is timed on subsets of the same paths (median of several pulses), all channels at once, in f64.
-5. `nereus bench CONFIG` says what a whole pulse takes there, on patches of about as many facets.
+5. `nereus bench CONFIG` measures what a whole pulse takes there, on patches of about as many facets.
 
 The ways:
 
@@ -235,10 +235,10 @@ def numba_grid(loops, grid, c, threads):
     # p(t) exp(-j 2 pi f t) = p(t - f/mu) exp(-j pi f (Tc + f/mu)).
     f = c.f0 * (c.rate - grid.rate)
     shift = f / c.mu
-    heard = c.after > -c.pulse_s - RINGING_SAMPLES / c.fs
-    heard &= c.after < (c.samples + RINGING_SAMPLES) / c.fs
+    received = c.after > -c.pulse_s - RINGING_SAMPLES / c.fs
+    received &= c.after < (c.samples + RINGING_SAMPLES) / c.fs
     turns = 0.5 * f * (c.pulse_s + shift) + c.f0 * grid.rate * shift
-    weight = c.amplitude * (np.exp(-2j * np.pi * turns) * heard)[:, None]
+    weight = c.amplitude * (np.exp(-2j * np.pi * turns) * received)[:, None]
     place = (c.after + shift) * (c.fs * OVERSAMPLING)
     grids = loops[1](place, weight, WIDTH, BETA, grid.cells, threads)
     spectrum = np.fft.fft(grids.sum(axis=0), axis=0)[grid.bins] * grid.replica[:, None]
@@ -289,12 +289,12 @@ def bench(nereus, config, settings, facet_m, count, patch_m):
     if count is not None:
         side = min(max(2, 2 * round(math.sqrt(count) / 2)) * facet_m, *patch_m)
         sized = ["--set", f"scene.patch_size_m=[{side}, {side}]"]
-    told = json.loads(call([*nereus, "bench", config, *settings, *sized, "--error-pulses", "0", "--json"]))
+    measured = json.loads(call([*nereus, "bench", config, *settings, *sized, "--error-pulses", "0", "--json"]))
     return {
-        "paths": told["paths"],
-        "seconds": 1 / told["pulses_per_s"],
-        "threads": told["threads"],
-        "prf_s": told["real_time_factor"] / told["pulses_per_s"],
+        "paths": measured["paths"],
+        "seconds": 1 / measured["pulses_per_s"],
+        "threads": measured["threads"],
+        "prf_s": measured["real_time_factor"] / measured["pulses_per_s"],
     }
 
 
@@ -338,7 +338,7 @@ def main():
     parser.add_argument("--config", default=str(PACKAGE / "configs/mars-1.toml"))
     parser.add_argument("--pulse", type=int, help="[default: the middle one of mars-1, 250; else 0]")
     parser.add_argument("--counts", default="1000,10000,all", help="paths; all: every one of the pulse")
-    parser.add_argument("--repeats", type=int, default=5, help="the median of so many is told")
+    parser.add_argument("--repeats", type=int, default=5, help="the median of so many is reported")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="as of nereus")
     parser.add_argument("--nereus", help="the program [default: target/release/nereus]")
     parser.add_argument("--no-bench", action="store_true", help="leave nereus bench out")
@@ -406,7 +406,7 @@ def main():
         "machine": machine(),
         "error_db": {name: {"recorded": a, "reference": b} for name, (a, b) in errors.items()},
         "seconds": {str(count): times for count, times in seconds.items()},
-        "nereus": {str(count): told for count, told in pulses.items()},
+        "nereus": {str(count): measured for count, measured in pulses.items()},
     }
     sound = "numba grid" not in errors or errors["numba grid"][1] <= GRID_LIMIT_DB
     if args.json:
@@ -429,12 +429,12 @@ def show(args, result, errors, seconds, pulses):
     print("  " + f"{'paths':>9}" + "".join(f"{name:>22}" for name in names) + f"{'nereus, whole pulse':>24}")
     for count, times in seconds.items():
         row = f"  {count:9}"
-        told = pulses.get(count)
+        measured = pulses.get(count)
         for name in names:
-            ratio = f"({times[name] / told['seconds']:.1f} x)" if told else ""
+            ratio = f"({times[name] / measured['seconds']:.1f} x)" if measured else ""
             row += f"{1e3 * times[name]:11.2f} {ratio:>10}"
-        if told:
-            row += f"{1e3 * told['seconds']:11.2f} of {told['paths']}"
+        if measured:
+            row += f"{1e3 * measured['seconds']:11.2f} of {measured['paths']}"
         print(row)
     if pulses:
         prf_s = next(iter(pulses.values()))["prf_s"]

@@ -161,9 +161,9 @@ def focus(file, name, points):
         tau = delays(channel, leaves, points)
         # The replica begins at its first edge, half a pulse before the middle.
         lag = (tau - channel.opens[row] - channel.pulse_s / 2) * channel.fs
-        heard = (lag >= 0) & (lag <= len(window) - 1)
+        inside = (lag >= 0) & (lag <= len(window) - 1)
         turns = channel.f0 * tau - channel.phase[row]
-        image += np.where(heard, cubic(cells, np.where(heard, lag, 0.0) * CELLS) * np.exp(2j * np.pi * turns), 0.0)
+        image += np.where(inside, cubic(cells, np.where(inside, lag, 0.0) * CELLS) * np.exp(2j * np.pi * turns), 0.0)
     return image / len(channel.samples)
 
 

@@ -189,8 +189,8 @@ def focus(rec, channel, points, rows, nav="true", window="none", aperture="none"
         cells = compress(rec, samples, doppler, window, flat)
         tau = delays(transmitter, receiver, leaves, points)
         lag = (tau - rec.window_start[row]) * rec.fs
-        heard = (lag >= 0) & (lag <= len(samples) - 1)
-        value = cubic(cells, np.where(heard, lag, 0.0) * CELLS)
+        inside = (lag >= 0) & (lag <= len(samples) - 1)
+        value = cubic(cells, np.where(inside, lag, 0.0) * CELLS)
         if gated:
             h = 1e-4
             tau0 = float(delays(transmitter, receiver, leaves, middle[None])[0])
@@ -199,7 +199,7 @@ def focus(rec, channel, points, rows, nav="true", window="none", aperture="none"
             away = -rec.f0 * closing(transmitter, receiver, leaves, points) - rec.f0 * look / C
             weight = taper(aperture, away / doppler_hz)
         total += weight
-        image += np.where(heard, weight * value * np.exp(2j * np.pi * ((rec.f0 * tau) % 1.0)), 0)
+        image += np.where(inside, weight * value * np.exp(2j * np.pi * ((rec.f0 * tau) % 1.0)), 0)
     return np.divide(image, total, out=np.zeros_like(image), where=total != 0)
 
 

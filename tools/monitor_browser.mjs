@@ -22,22 +22,22 @@ async function served(args) {
   const child = spawn(program, args, { cwd: folder });
   children.add(child);
   child.on("close", () => children.delete(child));
-  let [told, out] = ["", ""];
+  let [stderr, out] = ["", ""];
   child.stdout.on("data", (bytes) => { out += bytes; });
   const ended = new Promise((done) => child.on("close", done));
   const address = await new Promise((found, failed) => {
     child.stderr.on("data", (bytes) => {
-      told += bytes;
-      const match = /monitor: (http:\S+)/.exec(told);
+      stderr += bytes;
+      const match = /monitor: (http:\S+)/.exec(stderr);
       if (match) found(match[1]);
     });
-    child.on("close", () => failed(new Error(`no page: ${told}`)));
+    child.on("close", () => failed(new Error(`no page: ${stderr}`)));
   });
   return {
     address, folder, child,
     async end() {
       child.kill("SIGINT");
-      assert.equal(await ended, 0, told);
+      assert.equal(await ended, 0, stderr);
       return out;
     },
     clean: () => rmSync(folder, { recursive: true, force: true }),

@@ -80,7 +80,7 @@ def judge(path, rows=None, count=4):
             raise Unfit("the recording holds no pulse")
         if rows is None:
             rows = sorted({round(k * (n - 1) / max(count - 1, 1)) for k in range(count)})
-        # What the recording says about itself: emission times and phase centres.
+        # What the recording has about itself: emission times and phase centres.
         clock = max(abs(times[k] - scene.emission(int(index[k]))) for k in range(n))
         arms = max(
             float(np.linalg.norm(a.centre(times[k : k + 1])[0] - file[f"nav/{name}/phase_centre_m"][k]))

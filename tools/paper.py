@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures in the images of mars-1 to mars-4 what the MaRS paper says of its own (docs/paper.md has the table).
+"""Measures in the images of mars-1 to mars-4 what the MaRS paper states of its own (docs/paper.md has the table).
 
     tools/paper.py [--nereus target/release/nereus] [--out docs/paper-images.csv] [--keep FOLDER] [CONFIG ...]
 
@@ -42,12 +42,12 @@ def run(nereus, *words):
 
 
 def image(nereus, scenario, folder, name, settings=()):
-    """Complex images by channel, their axes, what `focus` tells, and the seconds of both commands."""
+    """Complex images by channel, their axes, the report of `focus`, and the seconds of both commands."""
     recording, made = folder / f"{name}.h5", folder / f"{name}-image.h5"
     begun = time.monotonic()
     run(nereus, "run", scenario, "--pace", "fast", "--out", recording, "--force", *settings)
     ran = time.monotonic()
-    said = run(nereus, "focus", recording, "--out", made, "--force", "--json")
+    printed = run(nereus, "focus", recording, "--out", made, "--force", "--json")
     ended = time.monotonic()
     import h5py
 
@@ -55,7 +55,7 @@ def image(nereus, scenario, folder, name, settings=()):
         names = [c.decode() if isinstance(c, bytes) else c for c in f.attrs["channels"]]
         images = {c: f["image"][i].astype(complex) for i, c in enumerate(names)}
         axes = f["x_m"][:], f["y_m"][:]
-    return images, axes, json.loads(said.splitlines()[-1]), (ran - begun, ended - ran)
+    return images, axes, json.loads(printed.splitlines()[-1]), (ran - begun, ended - ran)
 
 
 def measures(with_ship, without, axes):
@@ -100,9 +100,9 @@ def main():
         with tempfile.NamedTemporaryFile("w", suffix=".toml", dir=config.parent) as point:
             point.write(config.read_text() + POINT)
             point.flush()
-            *_, told, _ = image(args.nereus, point.name, folder, f"{config.stem}-point", ["--set", AWAY])
+            *_, report, _ = image(args.nereus, point.name, folder, f"{config.stem}-point", ["--set", AWAY])
         for channel in ship:
-            found = next(c for c in told["channels"] if c["name"] == channel)
+            found = next(c for c in report["channels"] if c["name"] == channel)
             target = next(iter(found["targets"]), None) or {}
             row = {"config": config.stem, "channel": channel, **measures(ship[channel], bare[channel], axes)}
             # A sphere answers in its own polarisation: what leaks into the others is not measured.

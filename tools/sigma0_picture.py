@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the cross section of the modelled sea beside the measured one, and writes the tables of docs/sigma0.md anew.
+"""Draws the cross section of the modelled sea beside the measured one, and regenerates the tables of docs/sigma0.md.
 
     tools/sigma0_picture.py [--nereus target/release/nereus] [--page docs/sigma0.md] [--picture docs/sigma0.png]
 

@@ -100,8 +100,8 @@ def measure(arguments, sinks, subscribers):
             raise SystemExit(run.stderr)
         missed = 0
         for reader in readers:
-            said = json.loads(reader.communicate(timeout=60)[0].splitlines()[-1])
-            missed += said["missing"]["pulses_by_index"] if isinstance(said, dict) else said
+            counts = json.loads(reader.communicate(timeout=60)[0].splitlines()[-1])
+            missed += counts["missing"]["pulses_by_index"] if isinstance(counts, dict) else counts
     finally:
         for reader in readers:
             reader.kill()

@@ -13,7 +13,7 @@ The first and the last pulses of a recording (HDF5, or a plain folder) are set s
 Samples that are not finite, pulses that are missing and flags are counted over the whole recording. With --run, nereus makes the recording
 and its resident memory is read every second: that after the first tenth of the run, or its first 20 s, is compared with that at the end.
 
-A flight that turns or climbs changes power and Doppler by itself, so these are told and not judged; --limit-db judges the power.
+A flight that turns or climbs changes power and Doppler by itself, so these are shown and not judged; --limit-db judges the power.
 Judged are: samples not finite, pulses missing, and, of runs of a minute and more, memory that has grown by more than a tenth and 16 MiB.
 Exit 0: steady; 1: not; 2: cannot be read or made. Needs numpy and h5py; memory needs Linux.
 """
@@ -62,7 +62,7 @@ def figures(samples, prf_hz):
 
 
 def compare(path, pulses):
-    """What a recording says, as a dictionary."""
+    """The description of a recording, as a dictionary."""
     with open_recording(path) as rec:
         n = rec.pulses
         if n < 2:
@@ -124,7 +124,7 @@ def make(args):
     command += ["--duration-s", str(args.duration_s)] if args.duration_s else []
     command += [word for setting in args.set for word in ("--set", setting)]
     memory, begun = [], time.monotonic()
-    told = begun
+    shown = begun
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
         while True:
             now = resident_mib(child.pid)
@@ -135,8 +135,8 @@ def make(args):
                 break
             except subprocess.TimeoutExpired:
                 pass
-            if time.monotonic() - told > 60:
-                told = time.monotonic()
+            if time.monotonic() - shown > 60:
+                shown = time.monotonic()
                 print(f"steady.py: {memory[-1][1]:.0f} MiB resident" if memory else "", file=sys.stderr)
         summary = child.stdout.read()
         if child.returncode != 0:

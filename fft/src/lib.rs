@@ -1,7 +1,7 @@
 //! Discrete Fourier transforms by `rustfft`, compiled for `f32` and `f64` here and nowhere else.
 //!
-//! Neither direction is scaled: `forward` is `X[m] = sum_n x[n] exp(-j 2 pi m n / N)`, `inverse` has `+j`, and
-//! one after the other gives `N x`.
+//! Neither direction is scaled: `forward` is `X[m] = sum_n x[n] exp(-j 2 pi m n / N)`, `inverse` has `+j`,
+//! and one after the other gives `N x`.
 //!
 //! ```
 //! use nereus_fft::num_complex::Complex;

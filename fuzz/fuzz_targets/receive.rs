@@ -1,7 +1,8 @@
-//! The receiver of the wire: no datagrams make it panic, deafen it or take memory that the stream does not call for.
+//! The receiver of the wire: no datagrams make it panic, deafen it or take memory that the stream does not
+//! call for.
 //!
-//! An input is a list of datagrams, each behind its length in two bytes. The size in a packet's header is put right, so
-//! that what is changed elsewhere is looked at.
+//! An input is a list of datagrams, each behind its length in two bytes. The size in a packet's header is put
+//! right, so that what is changed elsewhere is looked at.
 #![no_main]
 
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! HDF5 recordings: a small one with some of its bytes changed, read to the end.
 //!
-//! An input is a list of changes of four bytes: the place, three bytes little-endian and modulo the length of the file,
-//! and what stands there then.
+//! An input is a list of changes of four bytes: the place, three bytes little-endian and modulo the length of
+//! the file, and what stands there then.
 #![no_main]
 
 use std::path::PathBuf;

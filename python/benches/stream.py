@@ -37,8 +37,8 @@ def main() -> None:
     for turn in range(given.turns):
         # Whoever is first changes, so that neither always finds the machine as the other left it.
         for name in list(programs) if turn % 2 == 0 else list(programs)[::-1]:
-            said = subprocess.run(programs[name], capture_output=True, text=True, check=True).stdout
-            rates[name].append(float(said))
+            printed = subprocess.run(programs[name], capture_output=True, text=True, check=True).stdout
+            rates[name].append(float(printed))
             time.sleep(0.2)
         print(f"turn {turn}: rust {rates['rust'][-1]:.1f}, python {rates['python'][-1]:.1f} pulses/s", flush=True)
     ratios = [p / r for p, r in zip(rates["python"], rates["rust"])]

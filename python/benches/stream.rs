@@ -1,4 +1,5 @@
-//! Pulses per second of a program in Rust that takes every pulse of a stream: what `stream.py` is compared with.
+//! Pulses per second of a program in Rust that takes every pulse of a stream: what `stream.py` is compared
+//! with.
 //!
 //!     cargo bench -p nereus-python --bench stream -- configs/mars-1.toml 444
 

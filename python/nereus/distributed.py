@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     from .scenario import Scenario
 
-#: Pulses that are tried to measure the price of one, unless they take longer than TRIAL_S: several blocks of
+#: Pulses that are tried to measure the cost of one, unless they take longer than TRIAL_S: several blocks of
 #: a fast scenario.
 TRIAL, TRIAL_S = 256, 10.0
 #: A shard that takes this many times what was measured, and this many seconds, is given up.
@@ -403,7 +403,7 @@ class _Farm:
         """Results of all jobs, in order."""
         waiting, results, raised = deque(range(len(jobs))), {}, Counter()
         self.lost, self.late = Counter(), Counter()
-        begun = heard = time.monotonic()
+        begun = answered = time.monotonic()
         waits = False
         try:
             while len(results) < len(jobs):
@@ -411,11 +411,11 @@ class _Farm:
                 for worker in [worker for worker, asked in self.silent.items() if asked.future.status != "pending"]:
                     del self.silent[worker]
                 if here - self.silent.keys():
-                    heard, waits = time.monotonic(), False
+                    answered, waits = time.monotonic(), False
                 elif not waits:
                     waits = True
                     self.say(f"no worker answers: waiting for one, {_span(self.wait_s)} at most")
-                if time.monotonic() - heard > self.wait_s:
+                if time.monotonic() - answered > self.wait_s:
                     silent = len(self.silent.keys() & here)
                     raise WorkerError(
                         f"no worker answers: {len(here)} connected, {silent} given up after a timeout; "

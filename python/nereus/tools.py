@@ -46,10 +46,10 @@ def _command(command: tuple[str, ...], words: list[str], options: Mapping[str, A
     except InputError as error:
         if type(error) is not InputError:
             raise
-        said = str(error).removeprefix("error: ").split("\n\n")[0]
-        said = re.sub(r"\s*\[possible values: (.*)\]", r"; allowed: \1", said)
-        said = re.sub(r"(?<!\S)'?--([a-z][\w-]*)(?: <[^>]*>)?'?", lambda option: option[1].replace("-", "_"), said)
-        raise InputError(said) from None
+        text = str(error).removeprefix("error: ").split("\n\n")[0]
+        text = re.sub(r"\s*\[possible values: (.*)\]", r"; allowed: \1", text)
+        text = re.sub(r"(?<!\S)'?--([a-z][\w-]*)(?: <[^>]*>)?'?", lambda option: option[1].replace("-", "_"), text)
+        raise InputError(text) from None
 
 
 def _words(options: Mapping[str, Any]) -> list[str]:

@@ -20,7 +20,7 @@ import_exception!(nereus.errors, StreamClosed);
 
 /// Does some work; a panic, which is a fault of the program, becomes an exception as well.
 pub(crate) fn guarded<T>(work: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(internal(said(panic.as_ref()))))
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(internal(message_of(panic.as_ref()))))
 }
 
 /// The same without the GIL: for work that takes long and touches nothing of Python.
@@ -29,15 +29,15 @@ pub(crate) fn detached<T: Send, E: Send>(
     raise: impl FnOnce(E) -> PyErr,
     work: impl FnOnce() -> Result<T, E> + Send,
 ) -> PyResult<T> {
-    let done = py.detach(|| catch_unwind(AssertUnwindSafe(work)).map_err(|panic| said(panic.as_ref())));
+    let done = py.detach(|| catch_unwind(AssertUnwindSafe(work)).map_err(|panic| message_of(panic.as_ref())));
     match done {
         Ok(done) => done.map_err(raise),
         Err(panic) => Err(internal(panic)),
     }
 }
 
-/// The same in a thread of its own, so that Ctrl-C is an exception at once. The work goes on unseen to its end: it has
-/// nothing that could stop it.
+/// The same in a thread of its own, so that Ctrl-C is an exception at once. The work goes on unseen to its
+/// end: it has nothing that could stop it.
 pub(crate) fn interruptible<T: Send + 'static, E: Send + 'static>(
     py: Python<'_>,
     raise: impl FnOnce(E) -> PyErr,
@@ -48,10 +48,10 @@ pub(crate) fn interruptible<T: Send + 'static, E: Send + 'static>(
         py.check_signals()?;
         py.detach(|| thread::sleep(Duration::from_millis(5)));
     }
-    thread.join().map_err(|panic| internal(said(panic.as_ref())))?.map_err(raise)
+    thread.join().map_err(|panic| internal(message_of(panic.as_ref())))?.map_err(raise)
 }
 
-fn said(panic: &(dyn Any + Send)) -> String {
+fn message_of(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic".to_owned())
 }

@@ -242,7 +242,8 @@ impl Platform {
         PyArray1::from_slice(py, &self.0.attitude_quat)
     }
 
-    /// Roll (right wing down), pitch (nose up) and heading (clockwise from North, 0 to 360), float64 [3], deg.
+    /// Roll (right wing down), pitch (nose up) and heading (clockwise from North, 0 to 360), float64 [3],
+    /// deg.
     #[getter]
     fn attitude_deg<'py>(&self, py: Python<'py>) -> Vector<'py> {
         PyArray1::from_slice(py, &angles_deg(self.0.attitude_quat))

@@ -55,8 +55,8 @@ impl Stream {
 impl Drop for Stream {
     fn drop(&mut self) {
         let pulses = self.pulses.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // The run ends with the block under way: other threads of Python do not wait for it. An interpreter that
-        // ends has none, and the run ends with what is dropped.
+        // The run ends with the block under way: other threads of Python do not wait for it. An interpreter
+        // that ends has none, and the run ends with what is dropped.
         Python::try_attach(|py| py.detach(|| drop(pulses.close())));
     }
 }
@@ -118,7 +118,8 @@ impl Stream {
         detached(py, raise, || control.line(change)).map(|(pulse, _)| pulse)
     }
 
-    /// Counters of the run: pulses released, late, dropped, made; lateness, sinks. Empty before the first pulse is made.
+    /// Counters of the run: pulses released, late, dropped, made; lateness, sinks. Empty before the first
+    /// pulse is made.
     fn health<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         match self.control.as_ref().and_then(Control::health) {
             Some(health) => object(py, &health),
@@ -134,7 +135,8 @@ impl Stream {
         summary.map(|summary| object(py, &summary)).transpose()
     }
 
-    /// What the pulses are: carrier, sample rate, names of channels, platforms, antennas and targets, replica.
+    /// What the pulses are: carrier, sample rate, names of channels, platforms, antennas and targets,
+    /// replica.
     #[getter]
     fn info(&self, py: Python<'_>) -> PyResult<Py<PyDict>> {
         if let Some(known) = self.described.get() {

@@ -84,7 +84,7 @@ def test_files_of_arrays_live_as_long_as_the_scenario(scene):
 
 
 @pytest.mark.parametrize(
-    ("make", "says"),
+    ("make", "words"),
     [
         (lambda: nereus.trajectory(["a", "b"], np.zeros((2, 3))), "time: an array of <U1; allowed: real numbers"),
         (lambda: nereus.trajectory([0, 1], np.zeros((2, 2))), r"position_m: an array of shape \[2, 2\]; allowed: \[2, 3\]"),
@@ -103,8 +103,8 @@ def test_files_of_arrays_live_as_long_as_the_scenario(scene):
         (lambda: nereus.targets(np.zeros((2, 3)), [1.0]), r"rcs_m2: .*\[1\]; allowed: \[2\]"),
     ],
 )
-def test_arrays_that_are_refused(make, says):
-    with pytest.raises(nereus.ArrayError, match=says):
+def test_arrays_that_are_refused(make, words):
+    with pytest.raises(nereus.ArrayError, match=words):
         make()
 
 

@@ -349,7 +349,7 @@ def test_rows_written_twice_are_the_same(recorded, tmp_path):
             store.write_rows(draft.path, rec, 1)
         draft.finish()
     assert tree(once) == tree(tmp_path / "twice.zarr")
-    # Whoever comes too late makes nothing anew.
+    # A worker that comes too late makes nothing again.
     with source(recorded / "r.h5") as rec, pytest.raises(FileNotFoundError):
         store.write_rows(draft.path, rec, 0)
     assert sorted(os.listdir(tmp_path)) == ["once.zarr", "twice.zarr"]

@@ -1,4 +1,4 @@
-"""Exceptions: their kinds, and what is said of optional packages."""
+"""Exceptions: their kinds, and the error for missing optional packages."""
 
 import pickle
 import sys

@@ -74,7 +74,7 @@ def test_info_names_what_the_pulses_are(scene):
         assert "open" in repr(stream)
 
 
-def test_a_closed_stream_says_so(scene):
+def test_a_closed_stream_reports_it(scene):
     stream = scene.stream()
     next(stream)
     stream.close()

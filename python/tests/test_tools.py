@@ -68,13 +68,13 @@ def test_focus_finds_the_target(tmp_path, scene):
         nereus.focus(3)
     with pytest.raises(nereus.MissingFileError, match="no such recording"):
         nereus.focus(tmp_path / "fligth.h5")
-    for keywords, says in [
+    for keywords, words in [
         ({"windw": "hann"}, "^focus: the keyword 'windw' is unknown; did you mean 'window'.; allowed: aperture, centre_m, "),
         ({"json": True}, "the keyword 'json' is unknown"),
         ({"window": "hani"}, "^invalid value 'hani' for window; allowed: none, hann, taylor, kaiser$"),
         ({"pulses": 5}, r"^pulses: 5; allowed: \(first, one past the last\)"),
     ]:
-        with pytest.raises(nereus.InputError, match=says):
+        with pytest.raises(nereus.InputError, match=words):
             nereus.focus(tmp_path / "flight.h5", **keywords)
 
 
@@ -99,7 +99,7 @@ def test_focus_takes_what_a_dataset_selects(tmp_path, scene):
         changed = flight.assign(iq=flight.iq * 2)
         moved = flight.copy()
         moved["nav/aircraft/reported/position_m"] = moved["nav/aircraft/reported/position_m"] + 1.0
-        for other, says in [
+        for other, words in [
             (flight.isel(sample=slice(0, 64)), "iq of .*'sample': 64.*recorded .*'sample': 128"),
             (flight.isel(sample=slice(None, None, -1)), "iq was changed"),
             (changed, "iq was changed"),
@@ -108,7 +108,7 @@ def test_focus_takes_what_a_dataset_selects(tmp_path, scene):
             (moved, "nav/aircraft/reported/position_m was changed"),
             (flight.assign_coords(channel=["A", "VV"]), "the channel 'A' is unknown; allowed: HH, VV"),
         ]:
-            with pytest.raises(nereus.InputError, match=says):
+            with pytest.raises(nereus.InputError, match=words):
                 nereus.focus(other, **options)
         turned = flight[["iq"]].load().transpose("sample", ...)
         assert np.array_equal(nereus.focus(turned, **options).values, nereus.focus(path, **options).values)
@@ -154,7 +154,7 @@ def test_receive_what_is_sent(tmp_path, scene):
     assert reception.report["pulses"] == len(pulses) and reception.info["channels"] == ["HH", "VV"]
 
 
-def test_a_closed_reception_says_so():
+def test_a_closed_reception_reports_it():
     reception = nereus.receive("127.0.0.1:0")
     reception.close()
     with pytest.raises(nereus.StreamClosed, match="nereus.receive"):

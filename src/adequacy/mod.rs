@@ -1,5 +1,5 @@
-//! What the sea of a scene will be, and where its patch, facets and window do not fit the radar: reported before
-//! a run.
+//! What the sea of a scene will be, and where its patch, facets and window do not fit the radar: reported
+//! before a run.
 //!
 //! Nothing here is refused. The rules:
 //!
@@ -333,7 +333,7 @@ pub fn adequacy(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
     let views: Vec<View<'_>> =
         pulses.into_iter().map(|pulse| View { scene, sea, tracks: &tracks, pulse }).collect();
     for view in &views {
-        view.look(waveform.bandwidth_hz(), waveform.duration_s(), &mut adequacy)?;
+        view.assess(waveform.bandwidth_hz(), waveform.duration_s(), &mut adequacy)?;
     }
     ships::ships(&views, &mut adequacy)?;
     if let Some(ground_range_m) = adequacy.ground_range_m {
@@ -359,7 +359,7 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn look(&self, bandwidth_hz: f64, pulse_s: f64, adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
+    fn assess(&self, bandwidth_hz: f64, pulse_s: f64, adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
         let radar = &self.scene.radar;
         let patch = self.patch()?;
         let pairs = radar.pairs();
@@ -395,8 +395,8 @@ impl View<'_> {
             }
         }
         let share = held as f64 / (ends.len() * points.len()) as f64;
-        let said = |what: fn(&SeaWarning) -> bool, adequacy: &Adequacy| adequacy.warnings.iter().any(what);
-        if held == 0 && !said(|w| matches!(w, SeaWarning::OutsideWindow { .. }), adequacy) {
+        let warned = |what: fn(&SeaWarning) -> bool, adequacy: &Adequacy| adequacy.warnings.iter().any(what);
+        if held == 0 && !warned(|w| matches!(w, SeaWarning::OutsideWindow { .. }), adequacy) {
             let us = |times_s: [f64; 2]| times_s.map(|s| (s * 1e8).round() / 1e2);
             let (window_us, patch_us) = (us([opens_s, closes_s]), us(patch_s));
             adequacy.warnings.push(SeaWarning::OutsideWindow { pulse: self.pulse, window_us, patch_us });

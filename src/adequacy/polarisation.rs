@@ -29,7 +29,7 @@ pub const WIDEST_DEG: f64 = 60.0;
 /// Angle to the vertical within which H and V of an isotropic antenna turn quickly with the azimuth, degrees.
 pub const OVERHEAD_DEG: f64 = 10.0;
 
-/// An antenna that is used where its polarisation basis says little.
+/// An antenna that is used where its polarisation basis is ill-defined.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PolarisationWarning {
@@ -119,7 +119,7 @@ pub fn polarisation(run: &Run) -> Result<Vec<PolarisationWarning>, BuildErrors> 
     Ok(warnings)
 }
 
-/// How bad a direction is, and the angle that says so, degrees; `None` where it is fine or not in use.
+/// How bad a direction is, and the angle that shows it, degrees; `None` where it is fine or not in use.
 fn judge(
     antenna: &Antenna,
     mount: &AntennaMount,

@@ -18,7 +18,7 @@
 //! first, the last and the middle one of a block and any other: [`sample`].
 //!
 //! The figures are held within [`LEAST_DB`] and its opposite: samples are f32, and -150 dB is what that
-//! leaves to tell apart; samples that are the same bit for bit are reported as [`LEAST_DB`].
+//! can resolve; bit-identical samples are reported as [`LEAST_DB`].
 
 use crate::pipeline::power::{mean_of, of_channel, powers};
 use std::collections::BTreeSet;

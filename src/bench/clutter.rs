@@ -155,8 +155,8 @@ pub(crate) struct Echo {
 }
 
 impl Winds {
-    /// Of a run and its sea, as one channel looks at them, in images of at most so many pixels across the look
-    /// and along it. Noise and converter are left out.
+    /// Of a run and its sea, as one channel looks at them, in images of at most so many pixels across the
+    /// look and along it. Noise and converter are left out.
     ///
     /// # Errors
     /// A patch that follows, tracks that cannot be loaded.

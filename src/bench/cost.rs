@@ -1,7 +1,7 @@
 //! What pieces of work take on this machine: a short calibration for the prediction of speed.
 //!
 //! All workers of a stream make blocks at once, each at its own pace, with other settings than those planned
-//! (nodes half as far apart); what each stage took over what the price list says scales the prices of that
+//! (nodes half as far apart); what each stage took over what the cost table has scales the costs of that
 //! stage. Every worker makes [`ROUNDS`] blocks that count, and one before, for its memory. Blocks are from
 //! the whole run, so their mean counts and not their median: a run may cost more at one end than at the
 //! other. Where the patch follows they are the first ones, one after the other, for neighbours share updates
@@ -24,19 +24,19 @@ use crate::pulse::costs::{Costs, Stage};
 
 /// Blocks of a worker that count.
 pub const ROUNDS: usize = 5;
-/// Stages with prices.
-const PRICED: [Stage; 6] =
+/// Stages with costs.
+const COSTED: [Stage; 6] =
     [Stage::Surface, Stage::Shadow, Stage::ScattererPaths, Stage::Spread, Stage::Transform, Stage::Receive];
 
 /// Speed as predicted.
 #[derive(Clone, Copy, Debug)]
 pub struct Calibrated {
-    /// Real-time factor by the prices of a common machine.
+    /// Real-time factor by the costs of a common machine.
     pub list_factor: f64,
     /// Real-time factor as calibrated on this one.
     pub factor: f64,
     /// Seconds of one worker for a pulse, calibrated; records go with receiving, filling with spreading.
-    pub stages_s: [(Stage, f64); PRICED.len()],
+    pub stages_s: [(Stage, f64); COSTED.len()],
 }
 
 impl PulseFactory {
@@ -69,18 +69,18 @@ impl PulseStream {
         let cost_table = self.cost_table(plan)?;
         let prf_hz = self.schedule().times.mean_prf_hz();
         let pulses = self.schedule().count;
-        // A run shorter than a block is priced as it is.
+        // A run shorter than a block is taken as it is.
         let block = self.factory().block_pulses().min(pulses);
         let workers = busy_workers(pulses, block, self.threads() as u64);
         let factor = |cost_table: CostTable| workers / cost_table.seconds(&plan.work) / prf_hz;
         Ok(Some(Calibrated {
             list_factor: factor(CostTable::TABLE),
             factor: factor(cost_table),
-            stages_s: PRICED.map(|stage| (stage, cost_table.stage_seconds(&plan.work, stage))),
+            stages_s: COSTED.map(|stage| (stage, cost_table.stage_seconds(&plan.work, stage))),
         }))
     }
 
-    /// Prices of this machine.
+    /// Costs of this machine.
     fn cost_table(&self, plan: &Plan) -> Result<CostTable, BuildErrors> {
         let chosen = EchoSettings { node_pulses: (plan.chosen.node_pulses / 2).max(2), ..plan.chosen };
         let interpolates = plan.work.0[10] == 0.0;
@@ -118,7 +118,7 @@ impl PulseStream {
                             factory.make(index, slot, work)?;
                         }
                         if round > 0 {
-                            spent.push(PRICED.map(|stage| per_pulse(work.costs(), stage)));
+                            spent.push(COSTED.map(|stage| per_pulse(work.costs(), stage)));
                         }
                     }
                     Ok(spent)
@@ -128,11 +128,11 @@ impl PulseStream {
         let spent = spent.concat();
         let mean = |n: usize| spent.iter().map(|stages| stages[n]).sum::<f64>() / spent.len().max(1) as f64;
         let mut cost_table = CostTable::TABLE;
-        for (n, stage) in PRICED.into_iter().enumerate() {
+        for (n, stage) in COSTED.into_iter().enumerate() {
             let found = match stage {
                 // Single pulses from all over the run make updates that would serve many of their neighbours.
                 Stage::Shadow if !interpolates => continue,
-                // Exact scatterer paths have their surface in their price.
+                // Exact scatterer paths have their surface in their cost.
                 Stage::ScattererPaths if !interpolates => mean(n) + mean(0),
                 _ => mean(n),
             };

@@ -24,7 +24,7 @@ pub struct PlanReport {
     /// Pulses that were made to find that out, and how many settings were tried.
     #[serde(skip_serializing_if = "Option::is_none")]
     dry_run: Option<DryRunReport>,
-    /// By the prices of a common machine.
+    /// By the costs of a common machine.
     predicted_real_time_factor: f64,
     predicted_rss_mib: f64,
 }

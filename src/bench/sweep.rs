@@ -5,7 +5,7 @@
 //! drawn for the blocks of the settings as written; other blocks have them at other places.
 //!
 //! A choice of the model is no error: it is compared with the model as written, both with the echo as
-//! written, and told apart ([`effect`]). What is nearer than the error of that echo is not resolved.
+//! written, and listed apart ([`effect`]). What is nearer than the error of that echo is not resolved.
 
 use std::time::Duration;
 

@@ -160,7 +160,7 @@ fn add_speed(report: &mut Report, speed: &Speed) {
 fn add_stages(report: &mut Report, speed: &Speed, calibrated: Option<Calibrated>) {
     let seconds = |stage: &Stage| speed.costs.seconds_per_pulse(*stage);
     let total: f64 = Stage::ALL.iter().map(seconds).sum();
-    let prices: BTreeMap<&str, f64> = calibrated
+    let costs: BTreeMap<&str, f64> = calibrated
         .iter()
         .flat_map(|calibrated| calibrated.stages_s)
         .map(|(stage, seconds)| (stage.name(), seconds))
@@ -172,7 +172,7 @@ fn add_stages(report: &mut Report, speed: &Speed, calibrated: Option<Calibrated>
             Stage::Receive => ", record with it",
             _ => "",
         };
-        let predicted = prices.get(stage.name()).filter(|seconds| **seconds > 0.0);
+        let predicted = costs.get(stage.name()).filter(|seconds| **seconds > 0.0);
         let predicted =
             predicted.map_or_else(String::new, |seconds| format!("  (predicted {:.3}{with})", 1e3 * seconds));
         report.row(
@@ -181,7 +181,7 @@ fn add_stages(report: &mut Report, speed: &Speed, calibrated: Option<Calibrated>
         );
     }
     let stages: BTreeMap<&str, f64> = Stage::ALL.iter().map(|stage| (stage.name(), seconds(stage))).collect();
-    report.value("stages", stages).value("predicted_stages", prices);
+    report.value("stages", stages).value("predicted_stages", costs);
 }
 
 /// The error against the reference, and where and how it was found.

@@ -103,7 +103,7 @@ pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 }
 
 /// A file that grows beyond the limit of the process (`ulimit -f`) is an error with a message, not the end of
-/// the program: the signal that says so is held back in every thread, and the write fails with its reason.
+/// the program: the signal for it is held back in every thread, and the write fails with its reason.
 #[cfg(unix)]
 fn report_large_files() {
     let mut signals = nix::sys::signal::SigSet::empty();

@@ -47,14 +47,14 @@ pub(super) mod page {
     use crate::cli::examine::examine;
     use crate::cli::{counted, escape, say, warn};
     use crate::monitor::replay::Replay;
-    use crate::monitor::{Door, Monitor, Scenery, queue_pulses};
+    use crate::monitor::{Endpoint, Monitor, Scenery, queue_pulses};
     use crate::pipeline::build::PulseStream;
     use crate::pipeline::control::Control;
     use crate::scene::Scene;
     use crate::transport::view::View;
 
     /// A page whose address is taken; nobody is answered yet.
-    pub struct Page(Door);
+    pub struct Page(Endpoint);
 
     /// A page that is served.
     pub struct Shown(Monitor);
@@ -62,7 +62,7 @@ pub(super) mod page {
     impl Page {
         /// At an address.
         pub fn at(address: &str) -> Result<Self, CliError> {
-            Ok(Self(Door::at(address)?))
+            Ok(Self(Endpoint::at(address)?))
         }
 
         /// Shows a stream. `control` lets who has the address change reports.
@@ -90,9 +90,9 @@ pub(super) mod page {
         }
     }
 
-    fn announce(door: &Door, control: bool) {
-        say(format_args!("monitor: {}", door.url()));
-        if door.is_open_to_others() {
+    fn announce(endpoint: &Endpoint, control: bool) {
+        say(format_args!("monitor: {}", endpoint.url()));
+        if endpoint.is_open_to_others() {
             let what = if control { "see the run and change its reports" } else { "see the run" };
             warn([format!("other machines can reach the monitor: whoever has its address can {what}")]);
         }
@@ -104,10 +104,10 @@ pub(super) mod page {
             Ok(()) | Err(ExamineError::Refused { .. }) => {}
             Err(fatal) => return Err(fatal.into()),
         }
-        let door = Door::at(&args.listen)?;
-        let url = door.url();
-        let open_to_others = door.is_open_to_others();
-        let mut replay = Replay::open(&args.recording, door)?;
+        let endpoint = Endpoint::at(&args.listen)?;
+        let url = endpoint.url();
+        let open_to_others = endpoint.is_open_to_others();
+        let mut replay = Replay::open(&args.recording, endpoint)?;
         say(format_args!("monitor: {url}"));
         if open_to_others {
             warn(["other machines can reach the monitor: whoever has its address can see the recording"]);

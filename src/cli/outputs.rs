@@ -58,7 +58,7 @@ impl TableAndPicture {
         Ok(Self { table, picture, paths, kind, begun: false })
     }
 
-    /// Writes the table: anew, or in the place of the one that this program has written before.
+    /// Writes the table: as a new file, or in the place of the one that this program has written before.
     pub fn write_table(&mut self, csv: String) -> Result<(), SeaError> {
         let table = match std::mem::replace(&mut self.begun, true) {
             false => self.table.clone(),

@@ -62,8 +62,8 @@ pub struct RunArgs {
     /// (docs/control.md)
     #[arg(long, value_name = "PATH")]
     pub control: Option<PathBuf>,
-    /// Serve a live page in the browser at this address, such as 127.0.0.1:8080 (docs/monitor.md); port 0: any
-    /// that is free
+    /// Serve a live page in the browser at this address, such as 127.0.0.1:8080 (docs/monitor.md); port 0:
+    /// any that is free
     #[arg(long, value_name = "ADDR")]
     pub monitor: Option<String>,
     /// Let whoever has the address of the page inject navigation errors from it
@@ -104,7 +104,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     if let (Some(live), Some(nominal)) = (&live, stream.nominal()) {
         let first = nominal.scene.radar.emissions.emission(nominal.scene.start, stream.schedule().first);
         for (platform, origin, last) in live.standing() {
-            let last = last.map_or_else(|| "nowhere".to_owned(), |last| last.to_string());
+            let last = last.map_or_else(|| "no position".to_owned(), |last| last.to_string());
             say(format_args!(
                 "platform '{platform}' by {origin} is at {last}; pulses begin when it is at {first}"
             ));
@@ -404,7 +404,7 @@ fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
-/// A recording whose new name says HDF5 or CRSD becomes one, where this build can make it.
+/// A recording whose new name ends as HDF5 or CRSD becomes one, where this build can make it.
 fn record_as_named(run: &mut Run, out: &Path) {
     let (to_hdf5, to_crsd) = (cfg!(feature = "hdf5") && names_hdf5(out), names_crsd(out));
     for sink in &mut run.sinks {

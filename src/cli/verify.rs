@@ -11,7 +11,7 @@ use super::examine::examine;
 use super::report::Report;
 use super::scenario::JsonArg;
 use super::{counted, escape, json};
-use crate::recording::verify::{Verdict, verify as look};
+use crate::recording::verify::{Verdict, verify as read_all};
 
 /// `nereus verify`
 #[derive(Debug, Args)]
@@ -30,7 +30,7 @@ pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliEr
         Ok(()) | Err(ExamineError::Refused { .. }) => {}
         Err(fatal) => return Err(fatal.into()),
     }
-    let verdict = look(&args.recording)?;
+    let verdict = read_all(&args.recording)?;
     report(&verdict).print(args.format.json, out)?;
     if verdict.whole {
         Ok(())

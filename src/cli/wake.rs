@@ -3,7 +3,8 @@
 //!
 //! The map is that of the patch where it lies at the time asked. Files:
 //! [`map_file`](crate::recording::map_file) with format `nereus-wake` and the fields of `nereus sea`,
-//! [`picture`](crate::plot::picture). Cuts ([`cut`](crate::sea::wake::cut)) are those of one ship each, printed as CSV.
+//! [`picture`](crate::plot::picture). Cuts ([`cut`](crate::sea::wake::cut)) are those of one ship each,
+//! printed as CSV.
 
 use std::io::Write;
 

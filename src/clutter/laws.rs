@@ -17,7 +17,8 @@
 //! ```
 //!
 //! `K_nu` by the trapezoidal rule over the peak of its integral, which converges faster than any power of the
-//! step. Above `nu` of some 10 the K law is hardly distinguished from Rayleigh's; an infinite shape is Rayleigh's.
+//! step. Above `nu` of some 10 the K law is hardly distinguished from Rayleigh's; an infinite shape is
+//! Rayleigh's.
 //!
 //! A cell in which `N` facets of equal power and random phases meet is no full speckle: its `<I^2>/<I>^2` is
 //! lower by `1/N`.

@@ -21,8 +21,8 @@ pub fn independent_step(ground: &Ground, support: &Support, tapers: [Taper; 2]) 
     // A pixel of exactly a cell is one, in spite of rounding.
     let alone = |away: f64| (away.recip() - 1e-3).ceil().clamp(1.0, MOST_STEP as f64) as i64;
     let [mut x, mut y] = [alone(away(1, 0)), alone(away(0, 1))];
-    // Across an oblique line of sight neighbours may lie along a cell's diagonal: the closer step grows until none
-    // does.
+    // Across an oblique line of sight neighbours may lie along a cell's diagonal: the closer step grows until
+    // none does.
     let near = |x: i64, y: i64| {
         (-AROUND..=AROUND)
             .flat_map(|i| (0..=AROUND).map(move |j| (i, j)))

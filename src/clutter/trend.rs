@@ -6,8 +6,8 @@
 
 use glam::{DMat3, DVec3};
 
-/// Divides the trend out of an image (row by row, each row at one range, m) and returns its span over the rows,
-/// dB; none, and nothing is done, where fewer than 4 rows have power.
+/// Divides the trend out of an image (row by row, each row at one range, m) and returns its span over the
+/// rows, dB; none, and nothing is done, where fewer than 4 rows have power.
 pub fn remove(powers: &mut [f64], columns: usize, ranges_m: &[f64]) -> Option<f64> {
     if columns == 0 {
         return None;

@@ -91,6 +91,7 @@ fn list(path: &std::path::Path, faults: &[Fault]) -> String {
 
 /// Where a value was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum At {
     /// In the scenario, lines and columns from 1.
     File {
@@ -122,7 +123,7 @@ pub enum Problem {
     /// Not TOML.
     #[error("not valid TOML: {message}")]
     Syntax {
-        /// What the parser says.
+        /// What the parser reports.
         message: String,
     },
     /// A key that no table of this kind has.
@@ -209,7 +210,7 @@ pub enum Problem {
         /// What is allowed.
         allowed: String,
     },
-    /// Latitude and longitude in a scene that lies nowhere.
+    /// Latitude and longitude in a scene that is not georeferenced.
     #[error(
         "a geodetic position needs scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed here: position_m"
     )]
@@ -329,10 +330,10 @@ pub enum Problem {
     /// Live navigation without a start time.
     #[error("is missing; required with live navigation: \"live\", or the UTC time at which pulse 0 leaves")]
     LiveNeedsStart,
-    /// Live navigation in a scene that lies nowhere.
+    /// Live navigation in a scene that is not georeferenced.
     #[error("live navigation needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
     LiveNeedsOrigin,
-    /// A recorded track of latitudes and longitudes in a scene that lies nowhere.
+    /// A recorded track of latitudes and longitudes in a scene that is not georeferenced.
     #[error(
         "holds latitudes and longitudes, which need scene.origin_lat_deg, origin_lon_deg and origin_h_m; \
          allowed without them: a CSV file of x_m, y_m, z_m"
@@ -361,16 +362,16 @@ pub enum Problem {
         /// Ports.
         ports: u16,
     },
-    /// What another room says of it.
+    /// Refused by another module.
     #[error("{error}")]
     Refused {
         /// What is wrong with it.
         error: String,
     },
-    /// Navigation out in a scene that lies nowhere.
+    /// Navigation out in a scene that is not georeferenced.
     #[error("navigation out needs scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
     ReportNeedsOrigin,
-    /// Positions of a log in a scene that lies nowhere.
+    /// Positions of a log in a scene that is not georeferenced.
     #[error("positions of a log need scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
     LogNeedsOrigin,
     /// A log from which no ship sails.
@@ -385,7 +386,7 @@ pub enum Problem {
         /// How many were left out why.
         why: String,
     },
-    /// An override that leads nowhere.
+    /// An override of a key that does not exist.
     #[error("leads to nothing: {reason}")]
     Lost {
         /// Why.
@@ -395,6 +396,7 @@ pub enum Problem {
 
 /// What may have been meant by an unknown key.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Hint {
     /// No idea; the keys there are.
     Known(String),
@@ -472,7 +474,7 @@ pub enum Warning {
         /// Its name.
         name: String,
     },
-    /// Knobs of the fast echo beside the reference.
+    /// Settings of the fast echo beside the reference.
     #[error("without effect on the reference echo: {keys}; fidelity.echo = \"fast\" heeds them")]
     IdleSettings {
         /// The keys.

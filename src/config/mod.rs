@@ -1,7 +1,7 @@
 //! A scenario as written, then as meant.
 //!
 //! A scenario is a TOML file; its keys bear their units, angles are in degrees **here only**. It becomes
-//! a [`Run`]: plain descriptions for the other rooms, in SI units and radians. Nothing is built, no track
+//! a [`Run`]: plain descriptions for the other modules, in SI units and radians. Nothing is built, no track
 //! or pattern is opened (that they exist is checked), no physics is called.
 //!
 //! * Every key is listed once, in [`keys`]: the reader, the faults and the manual
@@ -96,9 +96,9 @@ pub struct Run {
     pub calibration: Vec<Calibration>,
     /// Changes of reports.
     pub events: Vec<Event>,
-    /// Whether more of them may come while the run goes on; no scenario says so.
+    /// Whether more of them may come while the run goes on; not a setting of the scenario.
     pub control: bool,
-    /// Which shard of it is made; no scenario says so.
+    /// Which shard of it is made; not a setting of the scenario.
     pub shard: Option<Shard>,
     /// How echoes are made.
     pub fidelity: Fidelity,

@@ -339,7 +339,7 @@ fn a_name_is_needed_where_there_are_several() {
 }
 
 #[test]
-fn unused_antennas_are_said() {
+fn unused_antennas_give_a_warning() {
     let receivers = "[{ name = 'a', platform = 'coast', antenna = { kind = 'isotropic' } }, \
                       { name = 'b', platform = 'aircraft', antenna = { kind = 'isotropic' } }]";
     let text = COASTAL.replace(
@@ -351,13 +351,13 @@ fn unused_antennas_are_said() {
     assert_eq!(run.scene.radar.channels[0].receiver, 1);
 }
 
-/// Warnings, but for what a build without HDF5 says of every recording.
+/// Warnings, but for the one that a build without HDF5 gives for every recording.
 fn of_scene(run: &Run) -> Vec<&Warning> {
     run.warnings.iter().filter(|warning| !matches!(warning, Warning::NoHdf5 { .. })).collect()
 }
 
 #[test]
-fn a_build_without_hdf5_records_plainly_and_says_so() {
+fn a_build_without_hdf5_records_plainly_and_warns() {
     let run = parse(COASTAL, &in_configs(), &[]).unwrap();
     let (file, folder) = (PathBuf::from("coastal.h5"), PathBuf::from("coastal"));
     if cfg!(feature = "hdf5") {
@@ -371,7 +371,7 @@ fn a_build_without_hdf5_records_plainly_and_says_so() {
 }
 
 #[test]
-fn a_ring_that_cannot_hold_the_latency_is_said() {
+fn a_ring_that_cannot_hold_the_latency_gives_a_warning() {
     let dense = [("stream.latency_ms", "60000"), ("radar.prf_hz", "1e6"), ("radar.window.samples", "64")];
     let run = coastal_with(&dense).unwrap();
     assert!(

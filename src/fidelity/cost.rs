@@ -5,9 +5,9 @@
 //! | surface | facets x 4 nodes / block | surface |
 //! | shadow | facets x antennas x updates in a block / block | shadow |
 //! | path | facets x pairs x 4 / block, and those of the block's sample once more | scatterer paths |
-//! | look | facets x pairs x scattering epochs / block, likewise | scatterer paths |
+//! | epoch | facets x pairs x scattering epochs / block, likewise | scatterer paths |
 //! | combine | facets x channels x scattering epochs / block, likewise | scatterer paths |
-//! | gain | facets x pairs x gain instants / block, likewise | scatterer paths |
+//! | gain | facets x pairs x gain epochs / block, likewise | scatterer paths |
 //! | factor | facets x pairs, likewise | scatterer paths |
 //! | fill | scatterer paths kept x 3 / block | spread |
 //! | spread | scatterer paths kept x (4 + w cells of each channel) | spread |
@@ -17,10 +17,10 @@
 //! | points | targets, direct paths, and panels of ships as far as they cost as much, x pairs | fill, spread |
 //! | lines | facets x pairs, and as many as `LINES` in a block, where Bragg waves travel | scatterer paths |
 //!
-//! Faint tiles have 2 nodes, 2 or 3 scattering epochs and fewer instants of gain, which all tiles are
-//! reported by. A block of a single pulse takes the way of the reference's scatterer paths. Everything is
-//! spent by one worker: `n` workers make `n` times as many pulses, as far as they do not wait for each
-//! other's memory.
+//! Sidelobe tiles have 2 nodes, 2 or 3 scattering epochs and fewer gain epochs; the gains of all tiles are
+//! found there first, to sort them. A block of a single pulse takes the way of the reference's scatterer
+//! paths. Everything is spent by one worker: `n` workers make `n` times as many pulses, as far as they do not
+//! wait for each other's memory.
 
 use crate::echo::synth::doppler::Doppler;
 use crate::echo::synth::{Precision, Settings};
@@ -84,14 +84,14 @@ impl CostTable {
     /// Seconds of one worker in a stage for a pulse.
     pub fn stage_seconds(&self, work: &Work, stage: Stage) -> f64 {
         let pieces = self.0.iter().zip(work.0).zip(Self::STAGES);
-        pieces.filter(|(_, own)| *own == stage).map(|((price, count), _)| price * count).sum()
+        pieces.filter(|(_, own)| *own == stage).map(|((cost, count), _)| cost * count).sum()
     }
 
     /// The same with all pieces of a stage dearer by a factor.
     pub fn scaled(mut self, stage: Stage, factor: f64) -> Self {
-        for (price, own) in self.0.iter_mut().zip(Self::STAGES) {
+        for (cost, own) in self.0.iter_mut().zip(Self::STAGES) {
             if own == stage {
-                *price *= factor;
+                *cost *= factor;
             }
         }
         self
@@ -99,7 +99,7 @@ impl CostTable {
 
     /// Seconds of one worker for a pulse.
     pub fn seconds(&self, work: &Work) -> f64 {
-        self.0.iter().zip(work.0).map(|(price, count)| price * count).sum()
+        self.0.iter().zip(work.0).map(|(cost, count)| cost * count).sum()
     }
 }
 
@@ -217,7 +217,7 @@ impl Size {
         let step_of_sidelobe = gain_step(block as usize, sidelobe_gain_pulses(step));
         let [instants, of_sidelobe] =
             [step, step_of_sidelobe].map(|step| gain_instants(block as usize, step).count() as f64);
-        // What all tiles are evaluated for, to find those in the sidelobes.
+        // Of all tiles, to find the sidelobe tiles.
         let sorted = if chosen.sidelobe.is_some() { of_sidelobe } else { 0.0 };
         let either = |close: f64, few: f64| (1.0 - sidelobe) * close + sidelobe * few;
         let few_epochs = chosen.sidelobe.map_or(0.0, |sidelobe| sidelobe.epochs as f64);

@@ -16,7 +16,7 @@ pub struct EchoSettings {
     pub panel_pulses: Option<u64>,
     /// Tiles that are evaluated less often, if any are.
     pub sidelobe: Option<Sidelobe>,
-    /// Share of the facets that then are in the sidelobes, mean over the run.
+    /// Share of the facets in sidelobe tiles, mean over the run.
     pub sidelobe_share: f64,
     /// Power of a facet over the mean below which it is left out.
     pub least_power: f64,
@@ -32,7 +32,7 @@ impl EchoSettings {
         if self.precision == Precision::Double { 1 } else { block_length(self.node_pulses, hold_pulses) }
     }
 
-    /// Pulses from scattering epoch to the next.
+    /// Pulses from one scattering epoch to the next.
     pub fn scatter_pulses(&self) -> u64 {
         self.node_pulses.div_ceil(self.epochs_per_node.max(1) as u64)
     }

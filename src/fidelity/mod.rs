@@ -7,19 +7,18 @@
 //! | part | what it is | found by |
 //! | --- | --- | --- |
 //! | gridding, Doppler, rounding | images of the grid, Doppler off the mean, word length | [`PredictedError`] of the echo itself |
-//! | in-flight acceleration | water that speeds up while the pulse is on its way to it: tiles of facets take it to move evenly | `(2 pi/lambda x g rms slope x tau^2)^2`, `tau` one way |
+//! | in flight | acceleration of the water while the pulse is on its way: tiles take it to move evenly | `(2 pi/lambda x g rms slope x tau^2)^2`, `tau` one way |
 //! | path | delays between nodes: flight, waves that facets ride on, their heights in f32 | [`probe`] |
 //! | tilt | scattering between scattering epochs: facets that the waves turn | [`probe`] |
-//! | gain | beams that sweep over the water, between gain instants; targets between theirs | [`probe`] |
+//! | gain | beams that sweep over the water, between gain epochs; targets between theirs | [`probe`] |
 //! | culled | facets left out because they are weak | [`probe`] |
 //!
-//! of tiles that are evaluated closely, and of those that [`sidelobe`] ones are; each at the worst pulse
-//! ([`worst`]) and channel. [`choose::choose_settings`] takes the cheapest settings that keep what is asked
-//! ([`cost`]). What a sample says of beams is held against a closed form in
-//! `tests/agreement`.
+//! of mainlobe tiles and of [`sidelobe`] tiles; each at the worst pulse ([`worst`]) and channel.
+//! [`choose::choose_settings`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample
+//! finds of beams is compared with a closed form in `tests/agreement`.
 //!
 //! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings
-//! anywhere. Prices are those of a common machine; only their ratios matter.
+//! anywhere. Costs are those of a common machine; only their ratios matter.
 //!
 //! ```
 //! use nereus::fidelity::cost::CostTable;

@@ -16,14 +16,14 @@ use crate::paths::block::{EPOCHS_PER_NODE, GAIN_POINTS, Sidelobe};
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
 
-/// Scattering epochs in a period of the shortest waves of the surface, at least, where facets turn away: one
-/// that does between two scattering epochs is reported where to a part of that, and single facets make the
+/// Fewest scattering epochs in a period of the shortest waves of the surface, where facets turn away. When a
+/// facet turned between two epochs is known to a part of their interval only, and single facets make the
 /// worst pulses at grazing incidence.
-const LOOKS_PER_PERIOD: f64 = 30.0;
+const EPOCHS_PER_PERIOD: f64 = 30.0;
 
-/// Where facets turn away tiles are not in the sidelobes above this gain, dB: a single facet that is reported
-/// late where it turns makes the worst pulse (grazing seas of 64 x 64 facets, -67.4 dB where -67.8 were
-/// predicted with tiles in the sidelobes below -25 dB).
+/// Where facets turn away, no tile above this gain, dB, is a sidelobe tile: a single facet whose turn is
+/// found late makes the worst pulse (grazing seas of 64 x 64 facets, -67.4 dB where -67.8 were predicted with
+/// tiles in the sidelobes below -25 dB).
 const OF_TURNING_DB: f64 = -40.0;
 
 /// What the acceleration of the water adds in the worst pulse to its mean, dB: the worst of 48 pulses from
@@ -64,7 +64,7 @@ impl Judge<'_> {
     }
 }
 
-/// A sidelobe threshold below which tiles are in the sidelobes.
+/// A two-way gain below which tiles are sidelobe tiles.
 #[derive(Clone, Copy)]
 struct Candidate {
     n: usize,
@@ -117,7 +117,7 @@ impl<'a> Search<'a> {
             let turns = |sidelobe: Sidelobe| sampler.turning() && sidelobe.below_db > OF_TURNING_DB;
             budget.asked.sidelobe_db.is_some() || !candidate.sidelobe.is_some_and(turns)
         };
-        // Without a sea there is nothing to be in the sidelobes.
+        // Without a sea there are no tiles.
         let first = if has_sea { 0 } else { candidates.thresholds_db().len() - 1 };
         let thresholds = (first..candidates.thresholds_db().len()).map(of).filter(may_be).collect();
         Self {
@@ -295,11 +295,11 @@ fn better(plan: &Plan, held: &Plan) -> bool {
     }
 }
 
-/// Most pulses from scattering epoch to the next: [`LOOKS_PER_PERIOD`] of the shortest wave, of two facets,
-/// `T = sqrt(2 pi 2 d / g)` in deep water.
+/// Most pulses from one scattering epoch to the next: [`EPOCHS_PER_PERIOD`] of the shortest wave, of two
+/// facets, `T = sqrt(2 pi 2 d / g)` in deep water.
 fn farthest_epoch(scene: &Scene) -> u64 {
     let Some(sea) = &scene.sea else { return u64::MAX };
     let period_s = (TAU * 2.0 * sea.patch.facet_m / GRAVITY_MPS2).sqrt();
-    let pulses = period_s / LOOKS_PER_PERIOD / scene.radar.emissions.interval_s(0, 1);
+    let pulses = period_s / EPOCHS_PER_PERIOD / scene.radar.emissions.interval_s(0, 1);
     (pulses.floor() as u64).max(1)
 }

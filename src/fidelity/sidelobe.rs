@@ -1,10 +1,10 @@
-//! Two-way gains below which tiles may be in the sidelobes, and sums of a sample by gain.
+//! Two-way gains below which tiles may be sidelobe tiles, and sums of a sample by gain.
 //!
 //! Far off the beams a tile returns so little that few instants do for it
 //! ([`Tier::Sidelobe`](crate::paths::block::Tier)): of the power of a line source of width `a`, whose two-way
 //! pattern is `sinc^4`, `3.9e-3 / x^3` lies beyond `x = a sin(theta) / lambda`. What is left there is probed
 //! at both tiers, in **bins** of gain between the candidates, which fall from candidate 0 on: a
-//! tile of bin `b` has `b` candidates above it, and is in the sidelobes at candidate `r` where `r < b`.
+//! tile of bin `b` has `b` candidates above it, and is a sidelobe tile at candidate `r` where `r < b`.
 //!
 //! ```
 //! use nereus::fidelity::sidelobe::Candidates;
@@ -18,16 +18,16 @@
 
 use super::worst::Sum;
 
-/// A gain from which down nothing is in the sidelobes, dB.
+/// At or below this gain no tile is a sidelobe tile, dB.
 pub const NONE_DB: f64 = -400.0;
 
-/// Rungs, dB below the peak of both antennas' gains.
+/// Candidates, dB below the peak of both antennas' gains.
 const SIDELOBE_DB: [f64; 7] = [-25.0, -30.0, -35.0, -40.0, -45.0, -50.0, -55.0];
 
-/// Gains below which tiles may be in the sidelobes.
+/// Gains below which tiles may be sidelobe tiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidates {
-    /// Falling; the last one, `None`, makes nothing in the sidelobes.
+    /// Falling; the last one, `None`, makes no sidelobe tiles.
     thresholds_db: Vec<Option<f64>>,
 }
 
@@ -42,7 +42,7 @@ impl Candidates {
         Self { thresholds_db }
     }
 
-    /// From the largest gain down, dB; `None` where nothing is in the sidelobes.
+    /// From the largest gain down, dB; `None` where there are no sidelobe tiles.
     pub fn thresholds_db(&self) -> &[Option<f64>] {
         &self.thresholds_db
     }
@@ -58,7 +58,7 @@ impl Candidates {
         self.thresholds_db.iter().flatten().filter(|candidate| gain_db < **candidate).count()
     }
 
-    /// Whether tiles of a bin are in the sidelobes at a candidate.
+    /// Whether tiles of a bin are sidelobe tiles at a candidate.
     pub fn is_sidelobe(&self, bin: usize, candidate: usize) -> bool {
         self.thresholds_db[candidate].is_some() && bin > candidate
     }
@@ -73,7 +73,7 @@ impl Binned {
         Self(vec![Sum::default(); candidates.bins()])
     }
 
-    /// Adds those of the tiles that are in the sidelobes at a candidate, or those of all others, to a sum.
+    /// Adds those of the sidelobe tiles at a candidate, or those of all others, to a sum.
     pub(super) fn join_into(&self, candidates: &Candidates, candidate: usize, sidelobe: bool, sum: &mut Sum) {
         for (_, own) in
             self.0.iter().enumerate().filter(|(bin, _)| candidates.is_sidelobe(*bin, candidate) == sidelobe)

@@ -1,5 +1,4 @@
-//! Whether facets turn away from an antenna: few do where it scattering epochs down steeply, and then none of
-//! a sample.
+//! Whether facets turn away from an antenna: few do where it looks down steeply, and then none of a sample.
 //!
 //! The cosine of the local angle of a facet of slopes `s` under incidence `theta` is about
 //! `cos theta + s sin theta`, so near enough normal over the facets. Where its mean lies `k` standard

@@ -33,7 +33,7 @@ pub const SIGMAS: f64 = 4.0;
 /// Standard deviations of the sample itself that are added: it may have missed some of the few facets that
 /// make most of an error.
 const SAMPLE_SIGMAS: f64 = 2.0;
-/// Most resolution cells along delay that are reported apart.
+/// Most resolution cells along delay that are kept apart.
 const MOST_CELLS: usize = 4096;
 
 /// A sum of terms, all and those of each resolution cell. Terms of a run of neighbours are closed before

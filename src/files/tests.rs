@@ -1,13 +1,8 @@
 use super::*;
+use listing::listing;
 
-fn listing(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
-}
+#[path = "../../tests/support/listing.rs"]
+mod listing;
 
 fn draft(path: &Path, text: &str) -> Draft {
     let (mut draft, _) = Draft::file(path).unwrap();
@@ -183,7 +178,7 @@ fn an_output_that_was_moved_is_found() {
     fs::rename(at("a"), at("store/a")).unwrap();
     assert_eq!(moved.present().unwrap(), at("store/a"));
     assert_eq!(moved.finish(false, OURS).unwrap(), Some(at("store/a")));
-    // Its name is taken: that it is not there has to be said.
+    // Its name is taken: that it is not there has to be reported.
     let mut displaced = draft(&at("b"), "ours");
     displaced.place().unwrap();
     fs::rename(at("b"), at("store/b")).unwrap();

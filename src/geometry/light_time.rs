@@ -57,7 +57,7 @@ pub enum LightTime {
 }
 
 /// One path transmitter - scatterer - receiver, or the direct path.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Path {
     /// Delay tau, s.
     pub delay_s: f64,

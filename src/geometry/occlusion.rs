@@ -87,7 +87,8 @@ impl Triangles {
         (self.nodes[place].first, self.nodes[place].count) = (second, 0);
     }
 
-    /// The first triangle that a ray meets, and how far along; `from` is on the triangle `own`, which it leaves.
+    /// The first triangle that a ray meets, and how far along; `from` is on the triangle `own`, which it
+    /// leaves.
     pub fn first(&self, from: DVec3, along: DVec3, own: Option<u32>) -> Option<(u32, f64)> {
         let mut found: Option<(u32, f64)> = None;
         self.follow((from, along), f64::INFINITY, own, |n, far| {

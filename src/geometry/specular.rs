@@ -1,7 +1,7 @@
 //! Where the mean sea reflects the ray between two points as a mirror does.
 //!
-//! The mean surface falls away as `x^2/(2 a)`, `a = k R` the effective radius ([`Earth::drop_m`]). Of two points
-//! at heights `h_1`, `h_2` over it, `d` apart along it, the specular point is `r_1` from the first and
+//! The mean surface falls away as `x^2/(2 a)`, `a = k R` the effective radius ([`Earth::drop_m`]). Of two
+//! points at heights `h_1`, `h_2` over it, `d` apart along it, the specular point is `r_1` from the first and
 //! `r_2 = d - r_1` from the second, where both see it at one grazing angle `psi`:
 //!
 //! `h_1/r_1 - r_1/(2 a) = h_2/r_2 - r_2/(2 a) = tan psi`
@@ -10,13 +10,14 @@
 //!
 //! and a step of Newton's. The reflected ray is as long as the straight one from the first point's **mirror
 //! image** in the tangent plane there, `L^2 = R^2 + 4 H_1 H_2` with `R` the distance and `H` the heights over
-//! that plane. `L` is stationary about the specular point (Fermat), so that its rate with a fixed plane is the
-//! rate with a plane that moves along. A curved surface spreads the rays; the field has the **divergence**
+//! that plane. `L` is stationary about the specular point (Fermat), so that its rate with a fixed plane is
+//! the rate with a plane that moves along. A curved surface spreads the rays; the field has the
+//! **divergence**
 //!
 //! `D = (1 + 2 r_1 r_2/(a d sin psi))^(-1/2)` , 1 on a flat earth, 0 at the horizon.
 //!
-//! Sources: Kerr (ed.), Propagation of Short Radio Waves, MIT Radiation Laboratory Series 13 (1951), 2.12 and 5.4;
-//! Blake, Radar Range-Performance Analysis (1980), ch. 6.
+//! Sources: Kerr (ed.), Propagation of Short Radio Waves, MIT Radiation Laboratory Series 13 (1951), 2.12 and
+//! 5.4; Blake, Radar Range-Performance Analysis (1980), ch. 6.
 //!
 //! Limits: one specular point; no diffraction where it comes near the horizon (`D` there is that of
 //! geometrical optics). A point below the mean surface counts as on it.
@@ -212,7 +213,7 @@ mod tests {
         );
     }
 
-    /// Both ends move: against a difference of delays whose specular points are found anew.
+    /// Both ends move: against a difference of delays whose specular points are found again.
     #[test]
     fn the_rate_of_the_reflected_path_is_that_of_its_delay() {
         let end = |s: f64| PhaseCentre {

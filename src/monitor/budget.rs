@@ -1,10 +1,10 @@
 //! What share of the machine the monitor may take.
 //!
-//! Generation uses every core, so what the monitor computes is taken from it. Work is begun only while its time
-//! so far stays below a share of the time of all cores; a machine that is too slow for it shows fewer rows. What
-//! counts is the processor's time: a thread of the lowest priority waits for long on a busy machine, and that costs
-//! nobody anything. Range lines and range-Doppler maps have a half each: a map costs as much as a hundred lines, and
-//! neither may starve the other.
+//! Generation uses every core, so what the monitor computes is taken from it. Work is begun only while its
+//! time so far stays below a share of the time of all cores; a machine that is too slow for it shows fewer
+//! rows. What counts is the processor's time: a thread of the lowest priority waits for long on a busy
+//! machine, and that costs nobody anything. Range lines and range-Doppler maps have a half each: a map costs
+//! as much as a hundred lines, and neither may starve the other.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -82,7 +82,8 @@ mod tests {
             pieces += i32::from(budget.spend(|| work(Duration::from_millis(4))).is_some());
             thread::sleep(Duration::from_millis(1));
         }
-        // A tenth of the time, what was saved at the beginning, and the last piece, which overdraws: 11 of 4 ms.
+        // A tenth of the time, what was saved at the beginning, and the last piece, which overdraws: 11 of 4
+        // ms.
         let allowed = 0.1 * begun.elapsed().as_secs_f64() / 0.004 + 2.0;
         assert!(pieces > 0 && f64::from(pieces) <= allowed, "{pieces} of {allowed}");
     }

@@ -1,7 +1,8 @@
 //! One browser: what it has not seen yet, and what it asks.
 //!
-//! Nothing is queued for a browser. At every tick it gets what is new since its last one from the hub's buffers;
-//! what has gone from them meanwhile is left out, and counted. One that takes nothing for some seconds is left.
+//! Nothing is queued for a browser. At every tick it gets what is new since its last one from the hub's
+//! buffers; what has gone from them meanwhile is left out, and counted. One that takes nothing for some
+//! seconds is left.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -187,7 +188,7 @@ impl Place {
             messages.push(Message::text(status::status(hub).to_string()));
         }
         if self.doppler {
-            hub.look_at_doppler(self.channel);
+            hub.watch_doppler(self.channel);
         }
         let state = hub.state();
         if ended || self.ticks.is_multiple_of(PLAN_TICKS) {

@@ -1,8 +1,8 @@
 //! Range-Doppler maps of consecutive pulses.
 //!
-//! `D(tau, f) = sum_n w_n C_n(tau) e^{-j 2 pi f n / PRF} / sum_n w_n`, `C_n` the compressed window of pulse `n`
-//! and `w` Hann's window. Windows of different starts are aligned to whole cells: their carrier phase needs no
-//! correction, since delays are absolute. Frequencies are known up to multiples of the PRF.
+//! `D(tau, f) = sum_n w_n C_n(tau) e^{-j 2 pi f n / PRF} / sum_n w_n`, `C_n` the compressed window of pulse
+//! `n` and `w` Hann's window. Windows of different starts are aligned to whole cells: their carrier phase
+//! needs no correction, since delays are absolute. Frequencies are known up to multiples of the PRF.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -47,7 +47,8 @@ pub struct Burst {
     last: Option<u64>,
     /// Emission of the last pulse, s.
     last_s: f64,
-    /// Starts of the windows, and the windows, the oldest first; more of these may be left from an earlier burst.
+    /// Starts of the windows, and the windows, the oldest first; more of these may be left from an earlier
+    /// burst.
     starts_s: VecDeque<f64>,
     windows: VecDeque<Vec<Complex32>>,
 }
@@ -71,8 +72,8 @@ impl Burst {
         self.channel
     }
 
-    /// Takes a pulse in which the channel is illuminated, and holds no more than so many; what does not continue the
-    /// burst begins a new one.
+    /// Takes a pulse in which the channel is illuminated, and holds no more than so many; what does not
+    /// continue the burst begins a new one.
     pub fn take(&mut self, pulse: &Pulse, time_s: f64, most: usize, ranges: &mut Ranges) {
         let step = self.last.map(|last| pulse.index.saturating_sub(last));
         match (self.starts_s.len(), step) {
@@ -99,7 +100,7 @@ impl Burst {
         self.starts_s.len() >= pulses
     }
 
-    /// The map of all pulses held, at a mean PRF; the burst begins anew.
+    /// The map of all pulses held, at a mean PRF; the burst begins again.
     pub fn map(&mut self, ranges: &Ranges, prf_hz: f64) -> Map {
         let rows = self.starts_s.len();
         let first_s = self.starts_s[0];

@@ -11,7 +11,7 @@ pub enum MonitorFault {
     Address {
         /// As given.
         given: String,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// Somebody listens there.
@@ -29,7 +29,7 @@ pub enum MonitorFault {
     Listen {
         /// As given.
         given: String,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// No token.

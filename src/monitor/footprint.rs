@@ -1,9 +1,9 @@
 //! Where an antenna's main lobe meets the sea: the outline of half its gain, one way.
 //!
-//! The outline is found once per antenna as directions in its own frame; at a pulse they are turned by its true
-//! axes and followed down to the plane of the sea at the origin. A ray that points above the horizon, or meets
-//! the plane farther than [`FARTHEST`] times as far as the middle does, is cut there: the plan shows where power
-//! goes, not how it falls off.
+//! The outline is found once per antenna as directions in its own frame; at a pulse they are turned by its
+//! true axes and followed down to the plane of the sea at the origin. A ray that points above the horizon, or
+//! meets the plane farther than [`FARTHEST`] times as far as the middle does, is cut there: the plan shows
+//! where power goes, not how it falls off.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -92,7 +92,8 @@ mod tests {
     use super::*;
     use crate::radar::antenna::Antenna;
 
-    /// Looking straight down from 1 km: half the gain of a uniform aperture at 0.4429 of wavelength over width.
+    /// Looking straight down from 1 km: half the gain of a uniform aperture at 0.4429 of wavelength over
+    /// width.
     #[test]
     fn the_footprint_below_has_the_width_of_the_beam() {
         let antenna = Antenna::Rectangle { width_m: 2.0, height_m: 0.5, wavelength_m: 0.03 };

@@ -1,9 +1,9 @@
 //! Who is answered.
 //!
-//! * The page, its parts and its socket have a random token in their path, made for every run: whoever was not
-//!   shown the address knows none of them. Figures for dashboards (`/api/status`, `/metrics`) have none.
-//! * The `Host` must be an IP address or `localhost`. A page of somebody else whose name is made to lead here (DNS
-//!   rebinding) gives its own name.
+//! * The page, its parts and its socket have a random token in their path, made for every run: whoever was
+//!   not shown the address knows none of them. Figures for dashboards (`/api/status`, `/metrics`) have none.
+//! * The `Host` must be an IP address or `localhost`. A page of somebody else whose name is made to lead here
+//!   (DNS rebinding) gives its own name.
 //! * An `Origin`, which browsers send with every request across pages, must be this page's own.
 
 use std::net::IpAddr;

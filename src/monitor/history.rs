@@ -1,4 +1,4 @@
-//! Where platforms were, and said they were, over the whole run, in bounded memory.
+//! Where platforms were, and reported to be, over the whole run, in bounded memory.
 //!
 //! Points are taken at an interval. When all places are taken, every second point goes and the interval is
 //! doubled: the whole run stays in view, ever coarser. Whoever reads along notices by the [`History::epoch`].

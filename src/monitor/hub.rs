@@ -172,7 +172,7 @@ impl Hub {
     }
 
     /// Somebody looks at the range-Doppler map of a channel.
-    pub fn look_at_doppler(&self, channel: usize) {
+    pub fn watch_doppler(&self, channel: usize) {
         if let Some(wanted) = self.doppler.get(channel) {
             wanted.store(true, Ordering::Relaxed);
         }

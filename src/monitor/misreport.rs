@@ -1,10 +1,10 @@
 //! Which platform misreports what, and since when.
 //!
-//! A quantity counts as misreported where its error was at least its [`Quantity::least`] in the last second; the worst
-//! of that second is shown. It has been so since the error rose above half of that, and has not stayed below for longer
-//! than [`DIP_S`]: errors that swing through zero are one error. Where a change of the log falls into the interval in
-//! which that happened, it names the pulse exactly. An error that grows by a ramp or a dropout passes the half long
-//! after that has begun: there, the change is its begin.
+//! A quantity counts as misreported where its error was at least its [`Quantity::least`] in the last second;
+//! the worst of that second is shown. It has been so since the error rose above half of that, and has not
+//! stayed below for longer than [`DIP_S`]: errors that swing through zero are one error. Where a change of
+//! the log falls into the interval in which that happened, it names the pulse exactly. An error that grows by
+//! a ramp or a dropout passes the half long after that has begun: there, the change is its begin.
 
 use serde::Serialize;
 

@@ -5,11 +5,11 @@
 //! recording -> replay --------------------------^
 //! ```
 //!
-//! The monitor looks at the stream through a [view](crate::transport::view): a pulse for which it has no room is
-//! left out there, and nothing that a browser does reaches the thread that releases pulses. `watch` takes no
-//! more than a stated share of the machine for range compression (`budget`). Everything shown is held once, in
-//! bounded buffers of the `hub`; each browser has a place in them and catches up by leaving out, so that a slow
-//! one costs nothing.
+//! The monitor looks at the stream through a [view](crate::transport::view): a pulse for which it has no room
+//! is left out there, and nothing that a browser does reaches the thread that releases pulses. `watch` takes
+//! no more than a stated share of the machine for range compression (`budget`). Everything shown is held
+//! once, in bounded buffers of the `hub`; each browser has a place in them and catches up by leaving out, so
+//! that a slow one costs nothing.
 //!
 //! The page is embedded in the program (`assets`): nothing is read from the file system, whatever is asked.
 //! Who may ask what is decided in `guard`.
@@ -39,7 +39,7 @@ use std::thread::JoinHandle;
 
 pub use about::Scenery;
 pub use fault::MonitorFault;
-pub use server::Door;
+pub use server::Endpoint;
 
 use crate::pipeline::control::Control;
 use crate::recording::header::Header;
@@ -65,13 +65,13 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Serves the page of a stream behind a door that has been opened. `control` lets who has the address change
-    /// reports.
+    /// Serves the page of a stream at an endpoint that has been opened. `control` lets who has the address
+    /// change reports.
     ///
     /// # Errors
     /// The system refuses a thread.
     pub fn of_stream(
-        door: Door,
+        endpoint: Endpoint,
         header: &Header,
         scenery: &Scenery,
         onlooker: Onlooker,
@@ -79,7 +79,7 @@ impl Monitor {
     ) -> Result<Self, MonitorFault> {
         let hub = Arc::new(Hub::new(header, scenery, control));
         let over = Arc::new(AtomicBool::new(false));
-        let server = door.serve(Arc::clone(&hub))?;
+        let server = endpoint.serve(Arc::clone(&hub))?;
         let watching = watch::start(onlooker, watch::Watcher::new(&hub, header, scenery), Arc::clone(&over))?;
         Ok(Self { hub, over, watching: Some(watching), server })
     }
@@ -89,12 +89,12 @@ impl Monitor {
     /// # Errors
     /// The system refuses a thread.
     fn of_recording(
-        door: Door,
+        endpoint: Endpoint,
         header: &Header,
         scenery: &Scenery,
     ) -> Result<(Self, watch::Watcher), MonitorFault> {
         let hub = Arc::new(Hub::new(header, scenery, None));
-        let server = door.serve(Arc::clone(&hub))?;
+        let server = endpoint.serve(Arc::clone(&hub))?;
         let watcher = watch::Watcher::new(&hub, header, scenery);
         Ok((Self { hub, over: Arc::default(), watching: None, server }, watcher))
     }

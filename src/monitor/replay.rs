@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{Door, Monitor, MonitorFault, Scenery};
+use super::{Endpoint, Monitor, MonitorFault, Scenery};
 use crate::config;
 use crate::pulse::{Pulse, flags};
 use crate::recording::{Recording, RecordingError, plain};
@@ -82,7 +82,7 @@ impl Replay {
     ///
     /// # Errors
     /// A recording that cannot be read or holds no pulse; no page.
-    pub fn open(path: &Path, door: Door) -> Result<Self, ReplayError> {
+    pub fn open(path: &Path, endpoint: Endpoint) -> Result<Self, ReplayError> {
         let mut one = Recording::open(path, Some(0..1)).or_else(|error| match error {
             RecordingError::NoPulses { first, end, .. } if first < end => {
                 Recording::open(path, Some(first..first + 1))
@@ -99,7 +99,7 @@ impl Replay {
         // A scenario of an older version, or one that names files, is shown as far as it is understood.
         let scene = config::recorded(&header.config).ok().map(|run| run.scene);
         let scenery = Scenery::of_recording(scene.as_ref(), &title);
-        let (monitor, watcher) = Monitor::of_recording(door, header, &scenery)?;
+        let (monitor, watcher) = Monitor::of_recording(endpoint, header, &scenery)?;
         Ok(Self { path: path.to_owned(), monitor, watcher, next: one.index[0], block, first: one })
     }
 

@@ -1,8 +1,8 @@
 //! Answers browsers, within limits.
 //!
-//! One thread of lowest priority. A connection serves one request, has seconds to send its header and to take its
-//! answer; headers, frames and the number of connections are bounded, and what goes beyond is closed. Nothing
-//! that is asked leads to the file system.
+//! One thread of lowest priority. A connection serves one request, has seconds to send its header and to take
+//! its answer; headers, frames and the number of connections are bounded, and what goes beyond is closed.
+//! Nothing that is asked leads to the file system.
 
 use std::io;
 use std::net::{SocketAddr, TcpListener};
@@ -47,7 +47,7 @@ const REST: Duration = Duration::from_millis(50);
 
 /// An address at which nobody is answered yet.
 #[derive(Debug)]
-pub struct Door {
+pub struct Endpoint {
     listener: TcpListener,
     address: SocketAddr,
     token: String,
@@ -67,7 +67,7 @@ struct Subject {
     browsers: Arc<Semaphore>,
 }
 
-impl Door {
+impl Endpoint {
     /// Takes an address, such as `127.0.0.1:8080`.
     ///
     /// # Errors
@@ -196,7 +196,7 @@ fn refused(status: StatusCode, why: &'static str) -> Response {
     (status, [(header::CONTENT_TYPE, "text/plain; charset=utf-8")], why).into_response()
 }
 
-/// Host and Origin are looked at before anything else, and every answer says what the page may do.
+/// Host and Origin are checked before anything else, and every answer states what the page may do.
 async fn guarded(request: Request, next: Next) -> Response {
     let headers: &HeaderMap = request.headers();
     let text = |name| headers.get(name).map(|value: &HeaderValue| value.to_str().unwrap_or(""));

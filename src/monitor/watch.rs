@@ -20,7 +20,8 @@ use crate::time::TimeTag;
 use crate::transport::health::Counters;
 use crate::transport::view::{Onlooker, Seen};
 
-/// Most pulses between two looks at the counters: a stream that is faster than this thread never lets it rest.
+/// Most pulses between two looks at the counters: a stream that is faster than this thread never lets it
+/// rest.
 const BATCH: usize = 256;
 /// Pause between two looks at the queue.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -87,7 +88,7 @@ pub fn start(
             let mut shown = 0;
             while seen == Seen::Pulse && shown < BATCH {
                 shown += 1;
-                seen = onlooker.look(|pulse, waiting| watcher.show(pulse, waiting == 0 || shown == BATCH));
+                seen = onlooker.poll(|pulse, waiting| watcher.show(pulse, waiting == 0 || shown == BATCH));
             }
             let ended = seen == Seen::Ended || (last && seen == Seen::Nothing);
             if (ended || counted.is_none_or(|at| at.elapsed() >= COUNT_EVERY))
@@ -216,8 +217,8 @@ impl Watcher {
         self.next_map();
     }
 
-    /// Goes on to the next channel that somebody looks at; `false` if there is none. Several browsers at several
-    /// channels get their maps by turns.
+    /// Goes on to the next channel that somebody looks at; `false` if there is none. Several browsers at
+    /// several channels get their maps by turns.
     fn next_map(&mut self) -> bool {
         let (channels, last) = (self.wanted.len(), self.burst.channel());
         let next =
@@ -269,14 +270,15 @@ mod tests {
         (hub, watcher, Pulse::new(&header.layout))
     }
 
-    /// Two browsers that look at two channels both get maps: neither puts the other's burst back to its begin.
+    /// Two browsers that look at two channels both get maps: neither puts the other's burst back to its
+    /// begin.
     #[test]
     fn maps_of_several_channels_come_by_turns() {
         let (hub, mut watcher, mut pulse) = watcher();
         let begun = Instant::now();
         let mut seen = [false; 2];
         while seen != [true; 2] {
-            hub.look_at_doppler((pulse.index / 20 % 2) as usize);
+            hub.watch_doppler((pulse.index / 20 % 2) as usize);
             watcher.show(&pulse, true);
             if let Some(map) = &hub.state().map {
                 seen[map.channel] = true;

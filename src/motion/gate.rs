@@ -1,6 +1,6 @@
 //! A gate for fixes that a platform cannot have flown to.
 //!
-//! A receiver says wrong things with a right checksum: a fix 100 km away, a height of zero, the place of
+//! A receiver may send wrong data with a right checksum: a fix 100 km away, a height of zero, the place of
 //! another receiver. With `p`, `t` the last believed fix, `v` its velocity (as sent, else from the fix before
 //! it, `dt0` earlier), a fix at `p1`, `dt` later is refused when
 //!
@@ -47,12 +47,12 @@ pub struct MotionGate<T> {
     frame: SceneFrame,
     bounds: MotionBounds,
     believed: Option<Known>,
-    /// Refused fixes in a row that agree with each other, and what the last of them says.
+    /// Refused fixes in a row that agree with each other, and the last of them.
     rivals: Vec<T>,
     rival: Option<Known>,
 }
 
-/// What a fix says of the motion.
+/// What a fix states of the motion.
 #[derive(Clone, Copy, Debug)]
 struct Known {
     time: TimeTag,

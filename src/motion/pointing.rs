@@ -14,7 +14,7 @@
 //! A mount with zero angles gives the same frame on a level body: boresight forward, `y_a` to port,
 //! `z_a` up.
 //!
-//! **Servo.** A real servo knows only what the platform says. The wanted frame `A*` is computed from
+//! **Servo.** A real servo knows only what the platform reports. The wanted frame `A*` is computed from
 //! the reported (or true) states at `t - lag`, turned into axis angles relative to the reported body,
 //! and realised on the true body:
 //!

@@ -5,7 +5,7 @@ use super::gusts::Gusts;
 use crate::nav::TrackSource;
 
 /// Where the trajectories of a platform come from. In a run, `scene.platforms[i]` moves as
-/// `nav[i]` says.
+/// `nav[i]` has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlatformNav {
     /// What happens: drives delays, phases and gains.

@@ -1,4 +1,4 @@
-//! AIS logs: where vessels said they were, as comma-separated values.
+//! AIS logs: positions that vessels reported, as comma-separated values.
 //!
 //! The first line names the columns, in any order; other columns are passed over. Of one row:
 //!
@@ -7,8 +7,8 @@
 //! | `Time` | UTC of reception, ISO 8601 (`2016-01-12 13:02:11.218`; a `T` and a `Z` may be there, other zones are refused) |
 //! | `MMSI` | number of the vessel, up to nine digits |
 //! | `Latitude_degrees`, `Longitude_degrees` | position; 91 and 181 say that it is not known: the row is passed over |
-//! | `COG_degrees` | course over ground, clockwise from North; 360 says that it is not known |
-//! | `SOG_knots` | speed over ground; 102.3 says that it is not known |
+//! | `COG_degrees` | course over ground, clockwise from North; 360: not known |
+//! | `SOG_knots` | speed over ground; 102.3: not known |
 //! | `Length_metres`, `Beam_metres`, `Draught_metres` | optional, and may be empty or 0: not known |
 //!
 //! Rows may come in any order of time. All faults of a file are reported together, with their lines.

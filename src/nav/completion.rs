@@ -133,7 +133,7 @@ impl Completer {
         Self::new(datum, undulation_m, f64::INFINITY, usize::MAX, true)
     }
 
-    /// For a stream: what is missing waits `wait_s`. Headings are filled in only where `headings` says that
+    /// For a stream: what is missing waits `wait_s`. Headings are filled in only where `headings` states that
     /// they are of use: otherwise no fix waits for one.
     pub fn for_stream(datum: VerticalDatum, undulation_m: f64, wait_s: f64, headings: bool) -> Self {
         Self::new(datum, undulation_m, wait_s, MOST_WAITING, headings)
@@ -228,7 +228,7 @@ impl Completer {
         if let Some((ahead, _)) = self.ahead {
             let after_s = time.since(ahead);
             if after_s > 0.0 {
-                // Another one says so too.
+                // Confirmed by another one.
                 if let Some((ahead, epoch)) = self.ahead.take() {
                     self.take(ahead, epoch, see);
                 }
@@ -340,7 +340,7 @@ impl Completer {
         }
     }
 
-    /// Tells the fixes that are complete.
+    /// Passes on the fixes that are complete.
     fn release(&mut self, see: &mut impl FnMut(Reported)) {
         let complete = self.height.from.min(self.attitude.from);
         while self.first < complete

@@ -33,7 +33,7 @@ pub struct Corrupted {
 
 /// The bytes that are left; the same seed corrupts the same bytes.
 pub fn corrupt(bytes: &[u8], chances: Chances, seed: u64) -> (Vec<u8>, Corrupted) {
-    let mut random = stream(seed, Room::SpoiledBytes, 0, 0);
+    let mut random = stream(seed, Room::CorruptedBytes, 0, 0);
     let mut kept = Vec::with_capacity(bytes.len());
     let mut counts = Corrupted::default();
     let mut skip = 0;

@@ -6,7 +6,7 @@
 //! | --- | --- |
 //! | `time_utc` | ISO 8601 UTC, `2018-05-30T18:40:00.25Z` (the `Z` may be missing, other zones are refused) |
 //! | `unix_s` | instead of it: UTC seconds since 1970-01-01 without leap seconds, decimal |
-//! | `lat_deg`, `lon_deg`, `height_m` | WGS-84 position; what the height is measured from is said by [`VerticalDatum`](super::VerticalDatum) of the source, not by the file |
+//! | `lat_deg`, `lon_deg`, `height_m` | WGS-84 position; what the height is measured from is set by [`VerticalDatum`](super::VerticalDatum) of the source, not by the file |
 //! | `x_m`, `y_m`, `z_m` | instead of them: East, North, up in the scene frame; needs no origin, and the datum is not used |
 //! | `yaw_deg`, `pitch_deg`, `roll_deg` | optional, all three: clockwise from North, nose up, right wing down |
 //!

@@ -2,8 +2,8 @@
 //!
 //! GGA, RMC, GLL, ZDA, GST and PASHR bear a time of day; all with the same one belong together. VTG and HDT
 //! have no time and belong to the epoch that is open when they come. A message with another time closes the
-//! open epoch. INSPVAX says all by itself: it completes its epoch at once, and sentences that follow with the
-//! same time are left.
+//! open epoch. INSPVAX is complete by itself: it completes its epoch at once, and sentences that follow with
+//! the same time are left.
 //!
 //! * **Position**: INSPVAX before GGA before RMC before GLL. **Attitude**: INSPVAX, PASHR, HDT (pitch and
 //!   roll zero).
@@ -49,7 +49,7 @@ const RMC: u8 = 2;
 const GGA: u8 = 3;
 const INSPVAX: u8 = 4;
 
-/// Everything that was said of one instant.
+/// Everything that was reported of one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Epoch {
     /// Line of its first message.
@@ -62,7 +62,7 @@ pub struct Epoch {
     pub position_deg: Option<[f64; 2]>,
     /// Height, m: above mean sea level, or what the source takes it for.
     pub altitude_m: Option<f64>,
-    /// What is added to it for a height above the ellipsoid, m, if the message says so.
+    /// What is added to it for a height above the ellipsoid, m, if the message states it.
     pub separation_m: Option<f64>,
     /// Velocity East and North, m/s.
     pub velocity_mps: Option<[f64; 2]>,
@@ -70,7 +70,7 @@ pub struct Epoch {
     pub climb_mps: Option<f64>,
     /// Yaw (clockwise from North), pitch, roll, radians.
     pub yaw_pitch_roll_rad: Option<[f64; 3]>,
-    /// What was said of the accuracy.
+    /// What was reported of the accuracy.
     pub sigma: Sigma,
     /// Of which message the position is; 0: none.
     rank: u8,
@@ -116,18 +116,18 @@ impl Epoch {
         }
     }
 
-    fn inspvax(&mut self, said: &Inspvax) {
-        self.locate(said.lat_deg, said.lon_deg, INSPVAX);
-        self.altitude_m = Some(said.altitude_m);
-        self.separation_m = Some(said.undulation_m);
-        let [north, east, up] = said.velocity_mps;
+    fn inspvax(&mut self, message: &Inspvax) {
+        self.locate(message.lat_deg, message.lon_deg, INSPVAX);
+        self.altitude_m = Some(message.altitude_m);
+        self.separation_m = Some(message.undulation_m);
+        let [north, east, up] = message.velocity_mps;
         self.velocity_mps = Some([east, north]);
         self.climb_mps = Some(up);
-        let [roll, pitch, azimuth] = said.angles_deg;
+        let [roll, pitch, azimuth] = message.angles_deg;
         self.yaw_pitch_roll_rad = Some([azimuth, pitch, roll].map(f64::to_radians));
-        let [lat, lon, height] = said.sigma_position_m;
-        let [north, east, up] = said.sigma_velocity_mps;
-        let [roll, pitch, azimuth] = said.sigma_angles_deg;
+        let [lat, lon, height] = message.sigma_position_m;
+        let [north, east, up] = message.sigma_velocity_mps;
+        let [roll, pitch, azimuth] = message.sigma_angles_deg;
         self.sigma = Sigma {
             position_m: Some([lon, lat, height]),
             velocity_mps: Some([east, north, up]),
@@ -201,7 +201,7 @@ impl Assembler {
                     epoch.sigma.angles_rad = sigma.or(epoch.sigma.angles_rad);
                 }
             }
-            Content::Inspvax(said) => self.complete(said, line, see),
+            Content::Inspvax(message) => self.complete(message, line, see),
         }
     }
 
@@ -243,15 +243,15 @@ impl Assembler {
         Some(self.open.get_or_insert(Epoch { line, time_of_day_ns, ..Epoch::default() }))
     }
 
-    fn complete(&mut self, said: &Inspvax, line: u64, see: &mut impl FnMut(Epoch)) {
-        let Some(time) = said.time().filter(|_| said.is_solution()) else { return };
+    fn complete(&mut self, message: &Inspvax, line: u64, see: &mut impl FnMut(Epoch)) {
+        let Some(time) = message.time().filter(|_| message.is_solution()) else { return };
         // To the nanosecond, as sentences have it.
         let ns = (time.fraction_s() * 1e9).round() as i64;
         let (day, time_of_day_ns) =
             (time.seconds().div_euclid(DAY_S), time.seconds().rem_euclid(DAY_S) * SECOND_NS + ns);
         let Some(epoch) = self.epoch(time_of_day_ns, line, see) else { return };
         epoch.day = Some(day);
-        epoch.inspvax(said);
+        epoch.inspvax(message);
         self.finish().into_iter().for_each(see);
         self.complete = Some(time_of_day_ns);
     }

@@ -22,7 +22,7 @@ pub enum NavError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The file is larger than is read.

@@ -76,7 +76,7 @@ pub enum InspectionError {
     },
     /// An SBET has no week of its own.
     #[error(
-        "{}: an SBET says neither date nor week; needed: --gps-week, such as 2000 (from 2018-05-06)",
+        "{}: an SBET has neither date nor week; needed: --gps-week, such as 2000 (from 2018-05-06)",
         shown(path)
     )]
     Week {

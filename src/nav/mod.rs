@@ -59,6 +59,7 @@ pub use replay::load;
 
 /// A source of one trajectory.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum TrackSource {
     /// Stays where it is.
     Fixed {
@@ -78,7 +79,7 @@ pub enum TrackSource {
     },
     /// A recorded track.
     File(FileSource),
-    /// What a receiver says while the run goes on.
+    /// What a receiver reports while the run goes on.
     Live(LiveSource),
 }
 
@@ -113,6 +114,7 @@ pub struct FileSource {
 
 /// Format of a track file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FileFormat {
     /// Documented columns, see `nav::csv`.
     Csv,
@@ -129,6 +131,7 @@ pub enum FileFormat {
 
 /// What heights are measured from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum VerticalDatum {
     /// WGS-84 ellipsoid.
     Ellipsoid,
@@ -143,6 +146,7 @@ pub enum VerticalDatum {
 
 /// How fixes become a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Smoothing {
     /// Fixes are taken as exact.
     Off,
@@ -159,6 +163,7 @@ pub enum Smoothing {
 
 /// Where the attitude of a recorded track comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum AttitudeSource {
     /// As recorded where the fixes have an attitude, otherwise derived as [`Self::CoordinatedTurn`].
     Automatic,
@@ -185,7 +190,7 @@ pub struct Fix {
     pub velocity_mps: Option<[f64; 2]>,
     /// Velocity upward, m/s, if the source has it.
     pub climb_mps: Option<f64>,
-    /// What the source says of its own accuracy.
+    /// The accuracy that the source states.
     pub sigma: Sigma,
 }
 

@@ -5,7 +5,7 @@
 //! before RMC before GLL. A sentence may have anything before its `$` on the line (a logger's time
 //! stamp). Sentences with a wrong checksum, without one, of other kinds, void or unreadable are
 //! skipped, counted in the [`LoadReport`] and never an error by themselves; a log that
-//! gives no usable fix at all is one, and says why.
+//! gives no usable fix at all is one, with the reason.
 //!
 //! * **Date.** An epoch without a date of its own takes that of its neighbours: where the time of day falls
 //!   by more than half a day, midnight has passed. Epochs before the first date are dated backwards.

@@ -27,7 +27,7 @@ use thiserror::Error;
 use super::NavError;
 use super::replay::{MAX_FILE_BYTES, read_bytes};
 
-/// Streams that are reported apart in a capture.
+/// Most streams of a capture that are kept apart.
 pub const MAX_STREAMS: usize = 1024;
 const TCP: u8 = 6;
 const UDP: u8 = 17;

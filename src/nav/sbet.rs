@@ -16,7 +16,7 @@
 //! platform heading is clockwise from its x axis. So heading = platform heading - w,
 //! `v_N = v_x cos w - v_y sin w`, `v_E = -v_x sin w - v_y cos w`, `v_U = v_z`.
 //!
-//! The file says neither date nor week: the source gives the GPS week of the first record. A time that falls
+//! The file has neither date nor week: the source gives the GPS week of the first record. A time that falls
 //! by more than half a week begins the next week; a time of more than a week goes on counting. GPS time is
 //! assumed, as the format has it: a file that was exported with UTC seconds is off by the leap seconds.
 //! Faults name the record, counted from 1, instead of a line.

@@ -1,4 +1,4 @@
-//! What a navigation system says of one instant: position, velocity, attitude, and how well it knows them.
+//! What a navigation system reports of one instant: position, velocity, attitude, and their accuracy.
 //!
 //! In the frame of the place itself (its own East, North and up), as receivers send it. A scene holds states
 //! in the ENU frame of its origin; [`Solution::of_scene`] turns them: position by way of ECEF, velocity
@@ -40,7 +40,7 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// From a state in the frame of a scene; `None` if that lies nowhere on Earth. Mean sea level is that of
+    /// From a state in the frame of a scene; `None` if that is not georeferenced. Mean sea level is that of
     /// the origin.
     pub fn of_scene(
         frame: &SceneFrame,

@@ -52,12 +52,12 @@ impl PathGenerator {
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
-        let Workspace { other, amplitude, sea, costs, .. } = workspace;
+        let Workspace { other, amplitude, ships, sea, costs, .. } = workspace;
         for emitted in emissions {
             self.evaluate(emitted, other)?;
             let reception = self.reception(index, emitted, other, window);
             self.append(&reception, amplitude, paths);
-            self.append_ships(emitted, &reception, amplitude, paths)?;
+            self.append_ships(emitted, &reception, (ships, amplitude), paths)?;
             self.append_sea(emitted, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
         }
         Ok(())
@@ -196,18 +196,46 @@ impl PathGenerator {
         emission: &Emission,
         amplitude: &mut [Complex64],
     ) {
+        let directions = bounce.map_or([path.incident, path.scattered], |bounce| bounce.at_antennas);
+        let gains = self.gains_towards(plan, directions, path.delay_s, emission) * scale;
+        if gains != Complex64::ZERO {
+            self.polarised(plan, (path, bounce), matrix, gains, tx_pol, emission, amplitude);
+        }
+    }
+
+    /// Product of the field gains of both antennas of a pair, given the directions in which a path leaves the
+    /// transmitter and arrives at the receiver, and its delay.
+    pub(super) fn gains_towards(
+        &self,
+        plan: &PairPlan,
+        [sent, received]: [DVec3; 2],
+        delay_s: f64,
+        emission: &Emission,
+    ) -> Complex64 {
         let tx = plan.pair.transmitter;
         let rx = self.radar.transmitters.len() + plan.pair.receiver;
         let tx_axes = emission.axes(tx);
-        let rx_axes = emission.axes_after(rx, path.delay_s, self.axes_span_s);
+        let rx_axes = emission.axes_after(rx, delay_s, self.axes_span_s);
         let gain = |antenna: usize, axes: &glam::DMat3, d: DVec3| {
             self.antennas[antenna].field_gain(Vector::from_raw(axes.transpose() * d))
         };
+        gain(tx, &tx_axes, sent) * gain(rx, &rx_axes, -received)
+    }
+
+    /// Amplitudes of a path between antennas of given gains.
+    pub(super) fn polarised(
+        &self,
+        plan: &PairPlan,
+        (path, bounce): (&Path, Option<&Bounce>),
+        matrix: Option<&ScatterMatrix>,
+        gains: Complex64,
+        tx_pol: Option<Polarisation>,
+        emission: &Emission,
+        amplitude: &mut [Complex64],
+    ) {
+        let tx = plan.pair.transmitter;
+        let rx = self.radar.transmitters.len() + plan.pair.receiver;
         let [sent, received] = bounce.map_or([path.incident, path.scattered], |bounce| bounce.at_antennas);
-        let gains = gain(tx, &tx_axes, sent) * gain(rx, &rx_axes, -received) * scale;
-        if gains == Complex64::ZERO {
-            return;
-        }
         let (basis_in, basis_out) = (Basis::of(sent), Basis::of(received));
         let tx_leak = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
         let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db;

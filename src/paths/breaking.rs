@@ -2,22 +2,30 @@
 //!
 //! Candidates are drawn cell by cell and slot by slot of time; the surface in the middle of a slot decides which
 //! of them break, and how high they ride. What breaks in the slots about a pulse is found once for all threads;
-//! it depends on neither them nor the order in which pulses are made.
+//! it depends on neither them nor the order in which pulses are made. Where the patch follows, it is found over a
+//! **region** that holds the patch wherever this begins in a square a quarter as long, so that a patch that moves
+//! on by a facet finds what it needs; a pulse takes those on its own patch.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::kept::OneAtATime;
+use super::kept::{Kept, OneAtATime};
 use crate::radar::fault::SeaFault;
 use crate::scene::Patch;
 use crate::sea::breaking::{Breaker, CELL_M, Law, SLOT_S};
-use crate::sea::land::LandSheet;
+use crate::sea::land::{Dem, LandSheet};
 use crate::sea::surface::{Evaluator, Fields, Grid, Selection, Surface, SurfaceError};
 
-/// Slots and patches whose breakers are kept, and slots whose surface is where the patch moves: as many as a
-/// life may span, and threads that make other pulses.
-const KEPT: usize = 64;
+/// Regions of a slot whose breakers are kept, and slots whose surface is where the patch moves: as many as a life
+/// may span, and threads that make other pulses; regions fewer where they hold more than so many in all.
+const KEPT: std::ops::RangeInclusive<usize> = 6..=24;
+const MOST_KEPT: f64 = 4e6;
 const SURFACES: usize = 4;
+/// Breakers of a region for which there is room beforehand.
+const ROOM: f64 = 65_536.0;
+/// Side of the squares in which a patch that follows may begin without another region: its own over this, and
+/// at least so many metres.
+const PER_SIDE: usize = 4;
+const LEAST_SIDE_M: f64 = 2.0 * CELL_M;
 /// Breakers that may be alive at a time in the mean, and area of a patch, m^2.
 const MOST_ALIVE: f64 = 1e6;
 const MOST_AREA_M2: f64 = 4e9;
@@ -35,18 +43,15 @@ pub(super) struct BreakingPlan {
     patch_m2: f64,
     /// Standard deviation of the vertical acceleration; 0 of a flat sea.
     deviation_mps2: f64,
-    memory: OneAtATime<Memory>,
-}
-
-/// What is needed to find them, and was found last.
-struct Memory {
-    evaluator: Evaluator<f32>,
+    land: Option<Arc<Dem>>,
+    /// Sides of the squares in which patches of one region begin, facets.
+    sides: [i64; 2],
     grid: Grid,
-    /// Slot, and the waves of the whole grid in its middle; the latest last.
-    surfaces: VecDeque<(i64, Fields<f32>)>,
-    land: Option<LandSheet>,
-    /// Slot, first facet of the patch, what breaks; the latest last.
-    kept: VecDeque<(i64, [i64; 2], Arc<[Riding]>)>,
+    evaluator: OneAtATime<Evaluator<f32>>,
+    /// The waves of the whole grid in the middle of a slot.
+    surfaces: Kept<i64, Fields<f32>>,
+    /// What breaks in a slot on the region of a square.
+    found: Kept<(i64, [i64; 2]), Vec<Riding>>,
 }
 
 /// Variance of the vertical acceleration of a surface: the sum of `2 |a|^2 w^4`.
@@ -78,15 +83,27 @@ impl BreakingPlan {
         if alive > MOST_ALIVE || patch_m2 > MOST_AREA_M2 {
             return Err(SeaFault::Breakers { alive, most: MOST_ALIVE, patch_m2, most_m2: MOST_AREA_M2 });
         }
-        let room = || (i64::MIN, Fields::new(surface.grid(), Selection::HEIGHT));
-        let memory = OneAtATime::new(Memory {
-            evaluator: Evaluator::new(surface),
+        let least = (LEAST_SIDE_M / patch.facet_m).ceil() as usize;
+        let side = |facets: usize| (facets / PER_SIDE).max(least) as i64;
+        let sides = if follows { patch.facets.map(side) } else { [1; 2] };
+        let of_slot = law.births_per_m2_s() * SLOT_S * region(patch, sides, [0; 2]).len() as f64;
+        let of_slot = of_slot * patch.facet_m * patch.facet_m;
+        let kept = (MOST_KEPT / of_slot) as usize;
+        // Twice the mean: how many break depends on the longest waves.
+        let room = (2.0 * of_slot + 64.0).min(ROOM) as usize;
+        Ok(Self {
+            law,
+            patch_m2,
+            deviation_mps2: acceleration_variance(surface).sqrt(),
+            land: land.map(LandSheet::dem),
+            sides,
             grid: *surface.grid(),
-            surfaces: (0..if follows { SURFACES } else { 1 }).map(|_| room()).collect(),
-            land: land.cloned(),
-            kept: VecDeque::with_capacity(KEPT),
-        });
-        Ok(Self { law, patch_m2, deviation_mps2: acceleration_variance(surface).sqrt(), memory })
+            evaluator: OneAtATime::new(Evaluator::new(surface)),
+            surfaces: Kept::new(if follows { SURFACES } else { 1 }, || {
+                Fields::new(surface.grid(), Selection::HEIGHT)
+            }),
+            found: Kept::new(kept.clamp(*KEPT.start(), *KEPT.end()), || Vec::with_capacity(room)),
+        })
     }
 
     /// How far a breaker may be from where it was found, m.
@@ -99,76 +116,122 @@ impl BreakingPlan {
         self.law.alive_per_m2() * self.patch_m2
     }
 
-    /// What breaks on a patch in a slot.
-    fn slot(&self, slot: i64, patch: &Patch) -> Result<Arc<[Riding]>, SurfaceError> {
-        self.memory.with(|memory| self.find(memory, slot, patch))
-    }
-
-    /// The same with what is needed for it.
-    fn find(&self, memory: &mut Memory, slot: i64, patch: &Patch) -> Result<Arc<[Riding]>, SurfaceError> {
-        // Surfaces bear the number of their slot once they are evaluated: a thread that fails leaves nothing
-        // wrong.
-        let Memory { evaluator, grid, surfaces, land, kept } = memory;
-        if let Some((.., found)) = kept.iter().find(|(of, first, _)| *of == slot && *first == patch.first) {
-            return Ok(Arc::clone(found));
-        }
-        if !surfaces.iter().any(|(of, _)| *of == slot)
-            && let Some((of, fields)) = surfaces.front_mut()
-        {
-            *of = i64::MIN;
-            evaluator.evaluate((slot as f64 + 0.5) * SLOT_S, fields)?;
-            *of = slot;
-            surfaces.rotate_left(1);
-        }
-        let Some((_, fields)) = surfaces.iter().find(|(of, _)| *of == slot) else { return Ok([].into()) };
-        let rising = &fields.acceleration_mps2[2];
-        let land = land.as_mut().map_or(&[][..], |sheet| {
-            sheet.place(patch);
-            sheet.land()
-        });
-        let (mut found, facet_m) = (Vec::new(), patch.facet_m);
-        let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
+    /// What breaks in a slot on a region.
+    fn find(&self, slot: i64, region: &Patch, found: &mut Vec<Riding>) -> Result<(), SurfaceError> {
+        let evaluate = |fields: &mut Fields<f32>| {
+            self.evaluator.with(|evaluator| evaluator.evaluate((slot as f64 + 0.5) * SLOT_S, fields))
+        };
+        let facet_m = region.facet_m;
         let cell = |key: i64, side: f64| ((key as f64 + side) * facet_m / CELL_M).floor() as i64;
-        for y in cell(patch.first[1], -0.5)..=cell(last[1], 0.5) {
-            for x in cell(patch.first[0], -0.5)..=cell(last[0], 0.5) {
-                self.law.candidates([x, y], slot, |breaker| {
-                    let key = breaker.place_m.map(|at| (at / facet_m).round() as i64);
-                    if (0..2).any(|i| !(patch.first[i]..=last[i]).contains(&key[i])) {
-                        return;
-                    }
-                    if land.get(patch.nearest_index(key)).is_some_and(|land| *land > 0.0) {
-                        return;
-                    }
-                    let facet = grid.index(key);
-                    let downwards =
-                        (self.deviation_mps2 > 0.0).then(|| -f64::from(rising[facet]) / self.deviation_mps2);
-                    if breaker.breaks(downwards) {
-                        found.push(Riding { breaker, height_m: f64::from(fields.height_m[facet]) });
-                    }
-                });
+        let ([x_first, y_first], [x_last, y_last]) = (region.first, last(region));
+        found.clear();
+        self.surfaces.with(slot, evaluate, |fields| {
+            let rising = &fields.acceleration_mps2[2];
+            for y in cell(y_first, -0.5)..=cell(y_last, 0.5) {
+                for x in cell(x_first, -0.5)..=cell(x_last, 0.5) {
+                    self.law.candidates([x, y], slot, |breaker| {
+                        let key = key_of(&breaker, facet_m);
+                        if !holds(region, key) {
+                            return;
+                        }
+                        let facet = self.grid.index(key);
+                        let downwards = (self.deviation_mps2 > 0.0)
+                            .then(|| -f64::from(rising[facet]) / self.deviation_mps2);
+                        let at_sea = || !self.land.as_ref().is_some_and(|dem| dem.is_land(key, facet_m));
+                        if breaker.breaks(downwards) && at_sea() {
+                            found.push(Riding { breaker, height_m: f64::from(fields.height_m[facet]) });
+                        }
+                    });
+                }
             }
-        }
-        let found: Arc<[Riding]> = found.into();
-        if kept.len() >= KEPT {
-            kept.pop_front();
-        }
-        kept.push_back((slot, patch.first, Arc::clone(&found)));
-        Ok(found)
+        })
     }
 
-    /// Hands over what breaks on a patch at a time after pulse 0.
+    /// Hands over what is alive on a patch at any instant between two times after pulse 0.
     pub fn each(
         &self,
         patch: &Patch,
-        elapsed_s: f64,
+        [from_s, to_s]: [f64; 2],
         mut each: impl FnMut(&Riding),
     ) -> Result<(), SurfaceError> {
         let slot = |time_s: f64| (time_s / SLOT_S).floor() as i64;
         let (life_s, _) = self.law.reach();
-        for slot in slot(elapsed_s - life_s)..=slot(elapsed_s) {
-            let riding = self.slot(slot, patch)?;
-            riding.iter().filter(|riding| riding.breaker.envelope(elapsed_s) > 0.0).for_each(&mut each);
+        let square = [0, 1].map(|i| patch.first[i].div_euclid(self.sides[i]));
+        for slot in slot(from_s - life_s)..=slot(to_s) {
+            let find = |found: &mut Vec<_>| self.find(slot, &region(patch, self.sides, square), found);
+            self.found.with((slot, square), find, |found| {
+                let alive = |Riding { breaker, .. }: &&Riding| {
+                    breaker.lives(from_s, to_s) && holds(patch, key_of(breaker, patch.facet_m))
+                };
+                found.iter().filter(alive).for_each(&mut each);
+            })?;
         }
         Ok(())
+    }
+}
+
+/// All that patches hold which begin in a square.
+fn region(patch: &Patch, sides: [i64; 2], square: [i64; 2]) -> Patch {
+    let first = [0, 1].map(|i| square[i] * sides[i]);
+    let facets = [0, 1].map(|i| patch.facets[i] + sides[i] as usize - 1);
+    Patch { first, facets, ..*patch }
+}
+
+/// The facet on which a breaker is found.
+fn key_of(breaker: &Breaker, facet_m: f64) -> [i64; 2] {
+    breaker.place_m.map(|at| (at / facet_m).round() as i64)
+}
+
+fn last(patch: &Patch) -> [i64; 2] {
+    [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1)
+}
+
+fn holds(patch: &Patch, key: [i64; 2]) -> bool {
+    let last = last(patch);
+    (0..2).all(|i| (patch.first[i]..=last[i]).contains(&key[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::water::{Development, Dispersion, WindProfile};
+    use crate::sea::spectrum::Elfouhaily;
+    use crate::sea::surface::{Averaging, Grid};
+    use crate::sea::wind::Wind;
+
+    /// A patch that follows, a facet further at each step, has the breakers of a patch that lies where it does, in
+    /// their order, and few regions are looked at.
+    #[test]
+    fn a_patch_that_moves_finds_the_breakers_of_one_that_stays() {
+        let wind = Wind::from_speed(14.0, 10.0, WindProfile::Cardone, 0.2).unwrap();
+        let spectrum = Elfouhaily::new(&wind, Development::InverseWaveAge(0.84)).unwrap();
+        let grid = Grid::new(64, 64, 2.0).unwrap();
+        let surface =
+            Surface::synthesise(grid, &spectrum, Dispersion::default(), 3, Averaging::Points).unwrap();
+        let patch = Patch::new([128.0, 96.0], 2.0, [7.0, -300.0]).unwrap();
+        let law = Law::new(14.0, 0.2, 3).unwrap();
+        let plan = |of: &Patch, follows| BreakingPlan::new(law, &surface, (of, follows), None).unwrap();
+        let on = |plan: &BreakingPlan, patch: &Patch| {
+            let mut found = Vec::new();
+            let each = |riding: &Riding| {
+                if riding.breaker.envelope(20.3) > 0.0 {
+                    found.push((riding.breaker, riding.height_m));
+                }
+            };
+            plan.each(patch, [20.3; 2], each).unwrap();
+            found
+        };
+        let follows = plan(&patch, true);
+        let (moves, mut count) = (60i64, 0);
+        for n in (0..moves).chain([3, 58]) {
+            let here = Patch { first: [patch.first[0] + n, patch.first[1] + n / 2], ..patch };
+            let found = on(&follows, &here);
+            assert!(found == on(&plan(&here, false), &here), "{n}");
+            count += found.len();
+        }
+        let regions = follows.found.len();
+        println!("{count} breakers in {moves} places, {regions} regions");
+        // Two or three slots, and a quarter of the way of a patch at a time, but at least 32 facets.
+        assert!(count > 2000 && regions <= 3 * 4, "{count} {regions}");
     }
 }

@@ -7,7 +7,7 @@
 //! ([`crate::radar::rain`]). Both follow from the seed, the slot and the numbers of the box alone.
 //!
 //! A point runs straight on, with the wind, the mean fall and a Gaussian velocity of its own, which is the
-//! Doppler spectrum of the rain. Slots of [`SLOT_S`] overlap by half: a point lasts two of them, with the
+//! Doppler spectrum of the rain. Slots of `SLOT_S` overlap by half: a point lasts two of them, with the
 //! amplitude `sin(pi s)`, so that the powers of both add up to 1 at every time.
 //!
 //! Where there would be more than [`MOST`] points at a pulse, boxes are larger by a power of two that is the same

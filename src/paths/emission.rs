@@ -54,9 +54,9 @@ impl Circumstances<'_> {
             || self.targets.iter().any(fluctuates)
     }
 
-    /// Share of the field of a pair that passes crests and land about a target.
-    fn passes(&self, number: usize, pair: &Pair, elapsed_s: f64) -> Result<f64, TrackFailure> {
-        let heave = self.heaves.get(number).and_then(Option::as_ref);
+    /// Share of the field of a pair that passes land and, unless they hide nothing, crests about a target.
+    fn passes(&self, number: usize, pair: &Pair, elapsed_s: f64, crests: bool) -> Result<f64, TrackFailure> {
+        let heave = self.heaves.get(number).and_then(Option::as_ref).filter(|_| crests);
         if heave.is_none() && self.hills.is_none() {
             return Ok(1.0);
         }
@@ -236,10 +236,7 @@ impl Emission {
             for (n, pair) in of.pairs.iter().enumerate() {
                 let path = || &self.paths[number * of.pairs.len() + n];
                 let seen = aspect.zip(up).map_or(1.0, |(aspect, up)| aspect.over_mean(up, path()));
-                let passes = match most_of_run {
-                    Some(_) => 1.0,
-                    None => of.passes(number, pair, elapsed_s)?,
-                };
+                let passes = of.passes(number, pair, elapsed_s, most_of_run.is_none())?;
                 self.variation.push((power * seen).sqrt() * passes);
             }
         }

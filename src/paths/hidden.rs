@@ -1,4 +1,4 @@
-//! Targets hidden by land.
+//! Targets and ships hidden by land.
 //!
 //! Along the line from a target to an antenna, over the heights of the raster a facet apart ([`Dem`], bilinear,
 //! lowered with the sea of a curved earth), a target has the clearance
@@ -11,10 +11,16 @@
 //! of the run, from the course of the antenna at the first of the two about an instant (live navigation
 //! knows no later one), and are linear in between: at most [`APART_S`], and half a facet of a target's course.
 //!
+//! A ship that echoes by its mesh has these clearances at its waterline, of bow, midship and stern
+//! ([`Hills::along`]); a panel has that of its place along the ship, linear in between, and as much more as it
+//! stands higher. It is dark below 0, found and cross-faded as what ships hide of themselves is.
+//!
 //! Limits: all of the raster hides, and nothing beyond it; lines longer than [`MOST_STEPS`] facets are looked at
-//! as many times; the direct path and the panels of ships are not hidden.
+//! as many times; land does not change across a ship; the direct path is not hidden.
 
 use std::sync::{Arc, OnceLock};
+
+use glam::DVec3;
 
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::shadow::{Edge, visible};
@@ -48,6 +54,31 @@ struct Knots {
     apart_s: f64,
     /// `[knot][antenna]`: at the knot and at the next.
     weights: Vec<OnceLock<[f64; 2]>>,
+}
+
+/// Land as it hides a ship from an antenna.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Skyline {
+    /// Place along the ship from the stern on, and the height in the scene from which it is seen there, m.
+    stations: [(f64, f64); 3],
+}
+
+impl Skyline {
+    /// Whether it passes a place of a ship, so far ahead of midship and so high in the scene, m.
+    pub fn passes(&self, ahead_m: f64, height_m: f64) -> bool {
+        let [stern, midship, bow] = self.stations;
+        let (from, to) = if ahead_m < midship.0 { (stern, midship) } else { (midship, bow) };
+        let share = ((ahead_m - from.0) / (to.0 - from.0)).clamp(0.0, 1.0);
+        // Where no land stands its height is -inf: no product of it with 0.
+        let least_m = if share > 0.0 && share < 1.0 {
+            (1.0 - share) * from.1 + share * to.1
+        } else if share > 0.0 {
+            to.1
+        } else {
+            from.1
+        };
+        height_m >= least_m
+    }
 }
 
 impl Hills {
@@ -100,6 +131,22 @@ impl Hills {
         Ok(before + share * (after - before))
     }
 
+    /// Land as it hides a ship that reaches from its stern to its bow, in its own axes, m, and is where `scene_m`
+    /// says, from an antenna; `None` where none does.
+    pub fn along(
+        &self,
+        [stern_m, bow_m]: [f64; 2],
+        scene_m: impl Fn(DVec3) -> DVec3,
+        antenna_m: DVec3,
+    ) -> Option<Skyline> {
+        let stations = [stern_m, 0.5 * (stern_m + bow_m), bow_m].map(|ahead_m| {
+            let at_m = scene_m(DVec3::new(ahead_m, 0.0, 0.0));
+            let clearance_m = self.clearance_m(Point::from_raw(at_m), Point::from_raw(antenna_m));
+            (ahead_m, at_m.z - clearance_m)
+        });
+        stations.iter().any(|(_, height_m)| height_m.is_finite()).then_some(Skyline { stations })
+    }
+
     /// Height of a place above the line from another over the highest land before it, m; infinite without any.
     fn clearance_m(&self, place: Point<Enu>, from: Point<Enu>) -> f64 {
         let ([x_m, y_m, z_m], [from_x, from_y, from_z]) = (place.to_array(), from.to_array());
@@ -134,5 +181,19 @@ impl Hills {
             }
         }
         least_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_skyline_is_linear_between_its_stations() {
+        let skyline = Skyline { stations: [(-10.0, 2.0), (0.0, 4.0), (10.0, f64::NEG_INFINITY)] };
+        for (ahead_m, least_m) in [(-12.0, 2.0), (-10.0, 2.0), (-5.0, 3.0), (0.0, 4.0)] {
+            assert!(skyline.passes(ahead_m, least_m + 0.01) && !skyline.passes(ahead_m, least_m - 0.01));
+        }
+        assert!(skyline.passes(1.0, -50.0) && skyline.passes(10.0, -50.0) && skyline.passes(20.0, -50.0));
     }
 }

@@ -78,6 +78,12 @@ impl<K: Copy + PartialEq, T> Kept<K, T> {
         }
     }
 
+    /// How many are kept.
+    #[cfg(test)]
+    pub fn len(&self) -> usize {
+        self.keys.lock().unwrap().0.iter().flatten().count()
+    }
+
     /// Where the thing of a key is or will be.
     fn place_for(&self, key: K) -> usize {
         let mut keys = self.keys.lock().unwrap_or_else(PoisonError::into_inner);
@@ -158,6 +164,16 @@ mod tests {
         // Those about the end are still there; the first is not, and once found again it is kept.
         assert_eq!(found, 100_001);
         assert_eq!(kept.with(7, |_| Err("no track"), |_| ()), Err("no track"));
-        assert_eq!(kept.with(7, |place| Ok::<_, &str>(*place = 2), |place| *place), Ok(2));
+        assert_eq!(
+            kept.with(
+                7,
+                |place| {
+                    *place = 2;
+                    Ok::<_, &str>(())
+                },
+                |place| *place,
+            ),
+            Ok(2)
+        );
     }
 }

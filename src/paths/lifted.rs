@@ -33,9 +33,9 @@ impl PathGenerator {
         self.targets.iter().map(of).collect()
     }
 
-    /// The land that hides targets, where it hides facets.
+    /// The land that hides targets and ships, where it hides facets.
     pub(super) fn hidden_by(&self, sea: Option<&SeaPlan>) -> Option<Hills> {
-        let sea = sea.filter(|_| !self.targets.is_empty())?;
+        let sea = sea.filter(|_| !(self.targets.is_empty() && self.ships.is_empty()))?;
         let (land, visibility) = (sea.land.as_ref()?, sea.visibility.as_ref()?);
         if !visibility.waves || land.top_m == 0.0 {
             return None;

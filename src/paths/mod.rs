@@ -93,13 +93,11 @@
 mod append;
 mod aspect;
 mod breaking;
-mod dimmed;
 pub mod drops;
 mod facets;
 mod heave;
 mod hidden;
 mod lifted;
-mod mesh;
 mod multipath;
 mod nodes;
 mod panels;
@@ -112,7 +110,7 @@ mod partition;
 mod patch_run;
 mod phasors;
 pub mod snapshot;
-mod spikes;
+pub mod spikes;
 mod survey;
 pub mod block;
 mod truth;
@@ -134,8 +132,8 @@ use crate::paths::emission::{Circumstances, Emission, TrackFailure};
 use crate::paths::heave::Heave;
 use crate::paths::hidden::Hills;
 use crate::paths::list::ScattererPaths;
-use crate::paths::mesh::MeshWork;
 use crate::paths::multipath::{Image, Mirror};
+use crate::paths::panels::ShipWork;
 use crate::paths::ships::Ships;
 use crate::pulse::costs::{Costs, Stage};
 use crate::pulse::{Pulse, flags};
@@ -188,7 +186,7 @@ pub struct PathGenerator {
     aspects: Vec<Option<Aspect>>,
     /// What lifts targets that float; empty where none does.
     heaves: Arc<Vec<Option<Heave>>>,
-    /// Land that hides targets.
+    /// Land that hides targets and ships.
     hills: Option<Arc<Hills>>,
     /// Paths of targets by the sea, and what reflects them; empty where nothing does.
     images: Vec<Image>,
@@ -202,6 +200,8 @@ pub struct PathGenerator {
     /// Transmitters first.
     antennas: Vec<Antenna>,
     pairs: Vec<Pair>,
+    /// Antennas of every pair.
+    ends: Vec<[usize; 2]>,
     plans: Vec<PairPlan>,
     channel_pairs: Vec<usize>,
     fastest_target_mps: f64,
@@ -218,12 +218,11 @@ pub struct PathGenerator {
 pub struct Workspace {
     own: Emission,
     other: Emission,
+    stretch: spikes::stretch::Buffers,
     amplitude: Vec<Complex64>,
+    ships: ShipWork,
     sea: Option<SeaWork>,
-    /// Of antennas.
     places: Vec<Point<Enu>>,
-    /// Made when it is first asked for.
-    mesh: Option<Box<MeshWork>>,
     /// What this thread has spent.
     pub costs: Costs,
 }
@@ -295,6 +294,10 @@ impl PathGenerator {
             pulse_length_s,
             tracks,
             antennas,
+            ends: pairs
+                .iter()
+                .map(|pair| [pair.transmitter, radar.transmitters.len() + pair.receiver])
+                .collect(),
             pairs,
             plans,
             channel_pairs,
@@ -384,11 +387,11 @@ impl PathGenerator {
     /// Buffers for [`Self::pulse`].
     pub fn workspace(&self) -> Workspace {
         let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
-        // The sea's own buffers are large, and blocks of pulses do without them: they are made when they are
-        // first asked for.
-        let costs = Costs::default();
+        // The sea's own buffers are large, and blocks of pulses do without: they are made when first asked for.
         let [own, other] = [(); 2].map(|()| Emission::default());
-        Workspace { own, other, amplitude, sea: None, places: Vec::new(), mesh: None, costs }
+        let places = Vec::with_capacity(self.antennas.len());
+        let (stretch, ships) = (Default::default(), self.ship_work());
+        Workspace { own, other, stretch, amplitude, ships, sea: None, places, costs: Costs::default() }
     }
 
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,
@@ -416,12 +419,12 @@ impl PathGenerator {
         let in_window = self.emissions_in_window(index, &workspace.own, &window)?;
         workspace.costs.lap(Stage::Record);
         self.append_others(index, in_window.start..in_window.end.min(index), window, workspace, paths)?;
-        let Workspace { own, other, amplitude, sea, costs, places, .. } = &mut *workspace;
+        let Workspace { own, other, amplitude, ships, sea, costs, places, .. } = &mut *workspace;
         let reception = self.reception(index, index, own, window);
-        if self.append(&reception, amplitude, paths) || self.ships_reach_outside(index, &reception)? {
+        if self.append(&reception, amplitude, paths) || self.ships_reach_outside(index, &reception, ships)? {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
-        self.append_ships(index, &reception, amplitude, paths)?;
+        self.append_ships(index, &reception, (ships, amplitude), paths)?;
         if in_window.contains(&index) {
             self.append_sea(index, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
         }

@@ -4,9 +4,7 @@
 use num_complex::Complex64;
 
 use super::facets::Reception;
-use super::mesh::MeshWork;
 use super::{PathGenerator, Workspace};
-use crate::cpu::Variant;
 use crate::paths::list::ScattererPaths;
 use crate::pulse::costs::Stage;
 use crate::pulse::{Pulse, flags};
@@ -143,7 +141,7 @@ impl PathGenerator {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, amplitude, costs, .. } = workspace;
+        let Workspace { own, amplitude, ships, costs, .. } = workspace;
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
         let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
@@ -153,7 +151,7 @@ impl PathGenerator {
                 record.flags |= flags::OUTSIDE_WINDOW;
             }
         }
-        if record.flags & flags::OUTSIDE_WINDOW == 0 && self.ships_reach_outside(index, &reception)? {
+        if record.flags & flags::OUTSIDE_WINDOW == 0 && self.ships_reach_outside(index, &reception, ships)? {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
         costs.lap(Stage::Record);
@@ -174,9 +172,9 @@ impl PathGenerator {
     ) -> Result<(), RadarError> {
         self.steady_targets(index, workspace, paths)?;
         if !self.ships.is_empty() {
-            let Workspace { own, mesh, .. } = workspace;
+            let Workspace { own, ships, .. } = workspace;
             let reception = self.reception(index, index, own, Window::UNBOUNDED);
-            self.append_every_panel(&reception, mesh_work(mesh), paths);
+            self.append_every_panel(&reception, ships.mesh(), paths);
         }
         Ok(())
     }
@@ -216,9 +214,9 @@ impl PathGenerator {
     ) -> Result<(), RadarError> {
         self.steady_targets(index, workspace, paths)?;
         if !self.ships.is_empty() {
-            let Workspace { own, mesh, .. } = workspace;
+            let Workspace { own, ships, .. } = workspace;
             let reception = self.reception(index, index, own, Window::UNBOUNDED);
-            self.append_some_panels(index, &reception, mesh_work(mesh), paths)?;
+            self.append_some_panels(index, &reception, ships.mesh(), paths)?;
         }
         Ok(())
     }
@@ -281,12 +279,12 @@ impl PathGenerator {
         if self.ships.is_empty() {
             return Ok(());
         }
-        let Workspace { own, mesh, .. } = workspace;
+        let Workspace { own, ships, .. } = workspace;
         self.evaluate(index, own)?;
         let reception = self.reception(index, index, own, Window::UNBOUNDED);
         let targets = out.len();
         self.ship_weights(index, reception.elapsed_s, out)?;
-        self.apply_gains(&reception, mesh_work(mesh), &mut out[targets..]);
+        self.apply_gains(&reception, ships.mesh(), &mut out[targets..]);
         Ok(())
     }
 
@@ -330,8 +328,4 @@ impl PathGenerator {
             paths.push(reception.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
         }
     }
-}
-
-fn mesh_work(held: &mut Option<Box<MeshWork>>) -> &mut MeshWork {
-    held.get_or_insert_with(|| Box::new(MeshWork::new(Variant::fastest())))
 }

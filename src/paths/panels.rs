@@ -7,13 +7,43 @@ use num_complex::Complex64;
 use super::PathGenerator;
 use super::emission::{Emission, TrackFailure};
 use super::facets::Reception;
+use super::ships::mesh::MeshWork;
 use super::ships::{Echoing, Scenery};
+use crate::cpu::Variant;
 use crate::geometry::light_time::Path;
 use crate::paths::list::ScattererPaths;
 use crate::radar::fault::RadarError;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
+/// Buffers for the panels of ships.
+#[derive(Clone, Default)]
+pub(super) struct ShipWork {
+    /// `[element][pair]`.
+    weights: Vec<f64>,
+    /// Of an element.
+    of_pairs: Vec<Path>,
+    /// For panels by lists; made when it is first asked for.
+    mesh: Option<Box<MeshWork>>,
+}
+
+impl ShipWork {
+    /// Buffers for panels by lists.
+    pub fn mesh(&mut self) -> &mut MeshWork {
+        self.mesh.get_or_insert_with(|| Box::new(MeshWork::new(Variant::fastest())))
+    }
+}
+
 impl PathGenerator {
+    /// Buffers with room for all panels.
+    pub(super) fn ship_work(&self) -> ShipWork {
+        let pairs = self.pairs.len();
+        ShipWork {
+            weights: Vec::with_capacity(self.ships.len() * pairs),
+            of_pairs: Vec::with_capacity(pairs),
+            mesh: None,
+        }
+    }
+
     /// Paths of ships that echo by their mesh.
     pub fn ship_paths(&self) -> usize {
         self.ships.len()
@@ -34,9 +64,9 @@ impl PathGenerator {
     /// Bounds on the delays of every ship over every pair, s.
     fn ship_spans_s(&self, emission: &Emission, elapsed_s: f64) -> impl Iterator<Item = [f64; 2]> {
         self.ships.extents(&self.frame, elapsed_s).flat_map(move |(midship_m, radius_m)| {
-            self.ends().into_iter().map(move |ends| {
-                let leg_m = |end: usize| (emission.centres[end].position.raw() - midship_m).length();
-                let (straight_m, slack_m) = (ends.into_iter().map(leg_m).sum::<f64>(), 4.0 * radius_m);
+            self.ends.iter().map(move |ends| {
+                let leg_m = |end: &usize| (emission.centres[*end].position.raw() - midship_m).length();
+                let (straight_m, slack_m) = (ends.iter().map(leg_m).sum::<f64>(), 4.0 * radius_m);
                 [straight_m - slack_m, straight_m + slack_m]
                     .map(|length_m| length_m.max(0.0) / SPEED_OF_LIGHT_MPS)
             })
@@ -48,33 +78,28 @@ impl PathGenerator {
         &self,
         emitted: u64,
         reception: &Reception,
+        ShipWork { weights, .. }: &mut ShipWork,
     ) -> Result<bool, RadarError> {
         let Reception { emission, elapsed_s, offset_s, tx_pol, window, .. } = *reception;
         let mut spans_s = self.ship_spans_s(emission, elapsed_s).flatten();
         if spans_s.all(|delay_s| window.holds(offset_s + delay_s)) {
             return Ok(false);
         }
-        let mut weights = Vec::new();
-        self.ship_weights(emitted, elapsed_s, &mut weights)?;
-        let (ends, mut outside) = (self.ends(), false);
+        weights.clear();
+        self.ship_weights(emitted, elapsed_s, weights)?;
+        let mut outside = false;
         let scenery = Scenery { centres: &emission.centres, frame: &self.frame, elapsed_s };
-        self.ships.visit(&scenery, &ends, TAU / self.radar.wavelength_m(), |found| {
+        self.ships.visit(&scenery, &self.ends, TAU / self.radar.wavelength_m(), |found| {
             let Echoing { element, pair, path, at, matrix } = found;
             let plan = &self.plans[pair];
             outside |= !window.holds(offset_s + path.delay_s)
                 && matrix.is_some()
                 && plan.receives(tx_pol)
-                && weights[element * ends.len() + pair] > 0.0
+                && weights[element * self.ends.len() + pair] > 0.0
                 && self.passes_horizon_of_ship(plan, emission, at) > 0.0;
             !outside
         });
         Ok(outside)
-    }
-
-    /// Antennas of every pair, transmitters first.
-    pub(super) fn ends(&self) -> Vec<[usize; 2]> {
-        let transmitters = self.radar.transmitters.len();
-        self.pairs.iter().map(|pair| [pair.transmitter, transmitters + pair.receiver]).collect()
     }
 
     /// Appends the panels of ships of one emission.
@@ -82,16 +107,16 @@ impl PathGenerator {
         &self,
         emitted: u64,
         reception: &Reception,
-        amplitude: &mut [Complex64],
+        (ShipWork { weights, of_pairs, .. }, amplitude): (&mut ShipWork, &mut [Complex64]),
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
         if self.ships.is_empty() {
             return Ok(());
         }
-        let mut weights = Vec::with_capacity(self.ships.len() * self.pairs.len());
-        self.ship_weights(emitted, reception.elapsed_s, &mut weights)?;
+        weights.clear();
+        self.ship_weights(emitted, reception.elapsed_s, weights)?;
         let weight = |element: usize, pair: usize| weights[element * self.pairs.len() + pair];
-        self.visit_panels(reception, weight, amplitude, |of_pairs, amplitude| {
+        self.visit_panels(reception, weight, (of_pairs, amplitude), |of_pairs, amplitude| {
             if amplitude.iter().any(|a| *a != Complex64::ZERO) {
                 paths.push(reception.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
             }
@@ -104,7 +129,7 @@ impl PathGenerator {
         &self,
         reception: &Reception,
         weight: impl Fn(usize, usize) -> f64,
-        amplitude: &mut [Complex64],
+        (of_pairs, amplitude): (&mut Vec<Path>, &mut [Complex64]),
         mut each: impl FnMut(&[Path], &[Complex64]),
     ) {
         if self.ships.is_empty() {
@@ -112,9 +137,7 @@ impl PathGenerator {
         }
         let Reception { emission, elapsed_s, offset_s, tx_pol, window, .. } = *reception;
         let scenery = Scenery { centres: &emission.centres, frame: &self.frame, elapsed_s };
-        let (ends, wave_number_rad_m) = (self.ends(), TAU / self.radar.wavelength_m());
-        let mut of_pairs: Vec<Path> = Vec::with_capacity(ends.len());
-        self.ships.visit(&scenery, &ends, wave_number_rad_m, |found| {
+        self.ships.visit(&scenery, &self.ends, TAU / self.radar.wavelength_m(), |found| {
             let Echoing { element, pair, path, at, matrix } = found;
             if pair == 0 {
                 of_pairs.clear();
@@ -131,8 +154,8 @@ impl PathGenerator {
                     self.amplitudes(plan, (&path, None), Some(&matrix), scale, tx_pol, emission, amplitude);
                 }
             }
-            if pair + 1 == ends.len() {
-                each(&of_pairs, amplitude);
+            if pair + 1 == self.ends.len() {
+                each(of_pairs, amplitude);
             }
             true
         });
@@ -147,7 +170,7 @@ impl PathGenerator {
     ) -> Result<(), RadarError> {
         let centre = |antenna: usize, time_s: f64| self.antenna_at(antenna, time_s);
         self.ships
-            .weights(&self.frame, elapsed_s, &self.ends(), centre, out)
+            .weights((&self.frame, self.hills.as_deref()), elapsed_s, &self.ends, centre, out)
             .map_err(|failure: TrackFailure| self.track_error(index, failure))
     }
 }

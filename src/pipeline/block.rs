@@ -30,10 +30,15 @@ use crate::paths::block::{
     Borders, Instants, NODES, PanelWork, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, nodes_within,
 };
 use crate::paths::list::ScattererPaths;
+use crate::paths::spikes::stretch::Stretch;
 use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::fault::PulseError;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
+use crate::scene::Patch;
+
+/// Pulses of which as few are made exactly.
+const FEW_PULSES: usize = 8;
 
 /// What blocks have in common, for all threads.
 #[derive(Default)]
@@ -281,12 +286,7 @@ impl BlockEcho {
         }
         let mut exact = 0;
         if let (Some(patch), true) = (&patch, generator.breakers_alive() > 0.0) {
-            for pulse in 0..pulses {
-                let Some(tiles) = &work.tiles else { break };
-                let index = first + pulse as u64;
-                generator.breakers((index, pulse), patch, tiles, memory, &mut work.nodes[0])?;
-                exact += self.spread_exact(pulse, memory, work)?;
-            }
+            exact += self.breakers(generator, (first, patch), 0..pulses, memory, work)?;
         }
         for pulse in if generator.rains() { 0..pulses } else { 0..0 } {
             generator.rain_at(first + pulse as u64, memory, &mut work.nodes[0])?;
@@ -294,6 +294,79 @@ impl BlockEcho {
         }
         work.spread += exact / pulses;
         Ok((first, end))
+    }
+
+    /// Breaking waves of some pulses of the block: together where they are smooth, else by halves, and a few
+    /// pulses exactly. Says how many paths are spread, over all pulses.
+    fn breakers(
+        &self,
+        generator: &PathGenerator,
+        (first, patch): (u64, &Patch),
+        pulses: Range<usize>,
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+    ) -> Result<usize, PulseError> {
+        let Some(tiles) = &work.tiles else { return Ok(0) };
+        if pulses.len() <= FEW_PULSES {
+            let mut spread = 0;
+            for pulse in pulses {
+                let Some(tiles) = &work.tiles else { break };
+                let index = first + pulse as u64;
+                generator.breakers((index, pulse), patch, tiles, memory, &mut work.nodes[0])?;
+                spread += self.spread_exact(pulse, memory, work)?;
+            }
+            return Ok(spread);
+        }
+        let (at, count) = nodes_within(pulses.len());
+        let stretch = Stretch { block: first, pulses: pulses.clone(), nodes: &at[..count], patch };
+        let (nodes, factors) = (&mut work.nodes[..count], &mut work.factors);
+        if generator.breakers_of_stretch(&stretch, tiles, memory, nodes, factors)? {
+            return Ok(self.spread_stretch(pulses.clone(), memory, work)? * pulses.len());
+        }
+        let middle = pulses.start + pulses.len() / 2;
+        let mut spread = 0;
+        for half in [pulses.start..middle, middle..pulses.end] {
+            spread += self.breakers(generator, (first, patch), half, memory, work)?;
+        }
+        Ok(spread)
+    }
+
+    /// Spreads the paths at the nodes of some pulses of the block, and what multiplies their amplitudes.
+    fn spread_stretch(
+        &self,
+        pulses: Range<usize>,
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+    ) -> Result<usize, PulseError> {
+        let count = pulses.len();
+        self.spread_nodes(pulses, memory, work, |part, factors| {
+            for of_pulse in factors.chunks_exact((factors.len() / count).max(1)) {
+                part.push_factors(of_pulse);
+            }
+        })
+    }
+
+    /// The same with factors that `weigh` puts in; it has those at hand.
+    fn spread_nodes(
+        &self,
+        pulses: Range<usize>,
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+        weigh: impl FnOnce(&mut BlockPaths<f32>, &[f64]),
+    ) -> Result<usize, PulseError> {
+        let BlockWork { nodes, frame, part, grids, factors, .. } = work;
+        let (at, count) = nodes_within(pulses.len());
+        let mut given = [Node { pulse: 0, paths: &nodes[0] }; NODES];
+        for ((node, &pulse), paths) in given.iter_mut().zip(&at).zip(nodes.iter()) {
+            *node = Node { pulse, paths };
+        }
+        self.synth.fill_part(&given[..count], frame, pulses, part)?;
+        check(part.found())?;
+        weigh(part, factors);
+        memory.costs.lap(Stage::Fill);
+        self.synth.spread_part(part, grids);
+        memory.costs.lap(Stage::Spread);
+        Ok(part.found().spread)
     }
 
     /// Spreads what is found for a pulse of the block alone, breaking waves and rain; says how many paths.
@@ -377,7 +450,7 @@ impl BlockEcho {
         memory: &mut Workspace,
         work: &mut BlockWork,
     ) -> Result<(), PulseError> {
-        let BlockWork { nodes, variations, factors, .. } = work;
+        let BlockWork { nodes, variations, factors, .. } = &mut *work;
         let (at, count) = nodes_within(pulses.len());
         for (node, place) in nodes.iter_mut().zip(&at[..count]) {
             generator.steady_targets(first + (pulses.start + place) as u64, memory, node)?;
@@ -389,11 +462,8 @@ impl BlockEcho {
                 factors.extend_from_slice(variations);
             }
         }
-        self.spread_nodes(&at[..count], pulses.clone(), memory, work, |part, factors| {
-            for of_pulse in factors.chunks_exact((factors.len() / pulses.len()).max(1)) {
-                part.push_factors(of_pulse);
-            }
-        })
+        self.spread_stretch(pulses, memory, work)?;
+        Ok(())
     }
 
     /// Panels of ships of the block; says how many paths are spread.
@@ -418,36 +488,12 @@ impl BlockEcho {
             if work.nodes[0].is_empty() {
                 continue;
             }
-            self.spread_nodes(at, own, memory, work, |part, _| {
+            let found = self.spread_nodes(own, memory, work, |part, _| {
                 (0..generator.pairs().len()).for_each(|pair| part.set_factors(pair, panels.factors(pair)));
             })?;
-            spread = spread.max(work.part.found().spread);
+            spread = spread.max(found);
         }
         Ok(spread)
-    }
-
-    /// Spreads what the nodes at some of the pulses have, with the factors that `weigh` puts in, which has those of
-    /// targets.
-    fn spread_nodes(
-        &self,
-        at: &[usize],
-        pulses: Range<usize>,
-        memory: &mut Workspace,
-        work: &mut BlockWork,
-        weigh: impl FnOnce(&mut BlockPaths<f32>, &[f64]),
-    ) -> Result<(), PulseError> {
-        let BlockWork { nodes, frame, part, grids, factors, .. } = work;
-        let mut given = [Node { pulse: 0, paths: &nodes[0] }; NODES];
-        for ((node, &pulse), paths) in given.iter_mut().zip(at).zip(nodes.iter()) {
-            *node = Node { pulse, paths };
-        }
-        self.synth.fill_part(&given[..at.len()], frame, pulses, part)?;
-        check(part.found())?;
-        weigh(part, factors);
-        memory.costs.lap(Stage::Fill);
-        self.synth.spread_part(part, grids);
-        memory.costs.lap(Stage::Spread);
-        Ok(())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Curves on linear, logarithmic or decibel axes.
 //!
-//! Limits of an axis are those of the points, with a little room, unless given. Points that an axis cannot
+//! Limits of an axis are those of the points, with a small margin, unless given. Points that an axis cannot
 //! show (no number, beyond 1e150, not positive on a logarithmic or decibel axis) break their curve. The
 //! legend stands beside the frame and hides nothing. Colours repeat after eight curves.
 //!

@@ -8,7 +8,7 @@
 //!
 //! Oklab to linear sRGB, with `l = (L + 0.396 a + 0.216 b)^3` and so on: matrices of the same source; then
 //! the transfer curve of IEC 61966-2-1. [`CURVES`] are the eight colours of M. Okabe and K. Ito ("Color
-//! universal design", 2008), told apart by any eye, in an order that begins with the dark ones.
+//! universal design", 2008), distinct to any eye, in an order that begins with the dark ones.
 //!
 //! ```
 //! use nereus::plot::colours::ColourMap;

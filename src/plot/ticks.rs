@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_tell_neighbours_apart() {
+    fn labels_distinguish_neighbours() {
         assert_eq!(labels(&linear([0.0, 512.0], 6)), ["0", "100", "200", "300", "400", "500"]);
         assert_eq!(labels(&linear([-0.004, 0.004], 5)), ["-0.004", "-0.002", "0", "0.002", "0.004"]);
         assert_eq!(labels(&linear([0.0, 3e9], 4)), ["0", "1e9", "2e9", "3e9"]);

@@ -78,13 +78,13 @@ impl Stage {
 pub struct Counts {
     /// Pulses made.
     pub pulses: u64,
-    /// Facets whose path generator was found out, counted again at every instant at which it was.
+    /// Facets for which it was found whether they are illuminated, counted again at every instant.
     pub facets: u64,
     /// Those of them that an antenna pair illuminates and receives, and that return something.
     pub illuminated: u64,
     /// Those of the illuminated ones that were left out because they are too weak to matter.
     pub culled: u64,
-    /// Facets of tiles that were looked at less often, since only sidelobes illuminate them.
+    /// Facets of sidelobe tiles, which are evaluated less often.
     pub sidelobe: u64,
     /// Scatterer paths accumulated, counted again in every pulse and for every pair of antennas.
     pub accumulated: u64,
@@ -114,15 +114,15 @@ impl Costs {
         self.read = Some(now);
     }
 
-    /// Counts facets whose path generator was found out: how many, how many of them are illuminated, how many
-    /// of the illuminated ones were left out.
+    /// Counts facets for which it was found whether they are illuminated: how many, how many of them are, how
+    /// many of the illuminated ones were left out.
     pub fn looked_at(&mut self, facets: usize, illuminated: usize, culled: usize) {
         self.counts.facets += facets as u64;
         self.counts.illuminated += illuminated as u64;
         self.counts.culled += culled as u64;
     }
 
-    /// Counts facets of tiles that were looked at less often.
+    /// Counts facets of sidelobe tiles.
     pub fn looked_at_less(&mut self, facets: usize) {
         self.counts.sidelobe += facets as u64;
     }
@@ -174,7 +174,7 @@ impl Costs {
         share(self.counts.culled, self.counts.facets)
     }
 
-    /// Share of the facets in tiles that were looked at less often, 0 to 1.
+    /// Share of the facets in sidelobe tiles, 0 to 1.
     pub fn sidelobe_share(&self) -> f64 {
         share(self.counts.sidelobe, self.counts.facets)
     }

@@ -217,7 +217,7 @@ pub enum SeaFault {
 pub enum TrackUse {
     /// What happens.
     Truth,
-    /// What the platform says.
+    /// What the platform reports.
     Reported,
 }
 

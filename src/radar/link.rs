@@ -27,8 +27,9 @@
 
 use std::f64::consts::PI;
 
+use crate::geometry::light_time::Path;
 use crate::scattering::lanes::exponential;
-use crate::units::Decibels;
+use crate::units::{Decibels, SPEED_OF_LIGHT_MPS};
 
 /// The constants of one transmitter's link budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +58,11 @@ impl Link {
             return 0.0;
         }
         self.scattered_scale / (tx_leg_m * rx_leg_m) * self.air(tx_leg_m + rx_leg_m)
+    }
+
+    /// The same over the legs of a path.
+    pub fn scattered_over(&self, path: &Path) -> f64 {
+        self.scattered(path.tx_leg_s * SPEED_OF_LIGHT_MPS, path.rx_leg_s * SPEED_OF_LIGHT_MPS)
     }
 
     /// Amplitude of the direct path between isotropic, matched antennas, sqrt(W).

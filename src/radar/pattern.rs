@@ -143,7 +143,7 @@ pub enum PatternFault {
     /// Not CSV at all (bytes that are not UTF-8, an open quote).
     #[error("{what}")]
     Csv {
-        /// What the CSV reader says.
+        /// The CSV reader's error.
         what: String,
     },
     /// A value that is no number or out of range.

@@ -1,8 +1,8 @@
 //! Rain: specific attenuation, Recommendation ITU-R P.838-3 (2005), and cross section per volume.
 //!
-//! `gamma = k R^alpha` dB/km one way, `R` the rain rate (mm/h); `k_H`, `alpha_H`, `k_V` and `alpha_V` are sums
-//! of Gaussians of `log10 f` (1 to 1000 GHz, the Recommendation's equations 2 and 3). For circular polarisation,
-//! at any elevation (equations 4 and 5):
+//! `gamma = k R^alpha` dB/km one way, `R` the rain rate (mm/h); `k_H`, `alpha_H`, `k_V` and `alpha_V` are
+//! sums of Gaussians of `log10 f` (1 to 1000 GHz, the Recommendation's equations 2 and 3). For circular
+//! polarisation, at any elevation (equations 4 and 5):
 //!
 //! `k = (k_H + k_V)/2`, `alpha = (k_H alpha_H + k_V alpha_V)/(2 k)`.
 //!

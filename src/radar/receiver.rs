@@ -137,7 +137,7 @@ impl Receiver {
         self.inverse(bins, scratch);
     }
 
-    /// Holds samples of a pulse from one place on as this receiver does; says how many parts saturated.
+    /// Holds samples of a pulse from one place on as this receiver does; returns how many parts saturated.
     pub(super) fn put(
         &self,
         pulse: &mut Pulse,
@@ -284,8 +284,8 @@ impl Receiver {
     ///
     /// Entry 0 is the start of the pulse (no lead), so `sum_i s[j + i] conj(replica[i])` peaks at the `j` of
     /// the scatterer path's delay, where it is `a e^{-j 2 pi f0 tau} sum |replica|^2`. What the filter rings
-    /// before and after the pulse is cut on both sides, so the peak stays where it is (within 1.5e-2 sample for
-    /// a short chirp).
+    /// before and after the pulse is cut on both sides, so the peak stays where it is (within 1.5e-2 sample
+    /// for a short chirp).
     pub fn replica(&self, waveform: &dyn Waveform) -> Vec<Complex32> {
         let fs = self.sample_rate_hz;
         let len = waveform.span_samples(fs);

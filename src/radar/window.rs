@@ -16,7 +16,7 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// Hears everything.
+    /// Receives everything.
     pub(crate) const UNBOUNDED: Self =
         Self { open_s: f64::NEG_INFINITY, close_s: f64::INFINITY, guard_s: 0.0, pulse_s: 0.0 };
 

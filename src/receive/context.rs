@@ -145,7 +145,8 @@ impl Context {
 /// The run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunDescription {
-    /// Latitude (deg), longitude (deg) and height (m) of the scene's origin; NaN where it is not georeferenced.
+    /// Latitude (deg), longitude (deg) and height (m) of the scene's origin; NaN where it is not
+    /// georeferenced.
     pub origin: [f64; 3],
     /// Carrier, Hz.
     pub carrier_hz: f64,

@@ -152,7 +152,7 @@ fn kernel_drops(address: &SocketAddr) -> Option<u64> {
         .filter(of_port)
         .filter_map(|line| line.split_whitespace().last()?.parse().ok())
         .collect();
-    // Several sockets of one port cannot be reported apart.
+    // Several sockets of one port cannot be distinguished.
     if let [drops] = drops[..] { Some(drops) } else { None }
 }
 

@@ -14,7 +14,7 @@
 //! Nothing hangs on one datagram, for anybody may have sent it. Times and numbers of pulses must be of the
 //! run as it was described and agree with each other. A leap of more than a second is followed when a
 //! majority of the states agree, 32 of 16 pulses at least, and so is a stream that goes back. Until the first
-//! pulse is whole, descriptions that contradict what was learned make the receiver learn anew. A sender that
+//! pulse is whole, descriptions that contradict what was learned make the receiver learn again. A sender that
 //! begins again is counted in `restarts`; [`Receiver::following`] begins again with it.
 //!
 //! Limits: one run at a time; contexts with field attributes (CIF 7) are not read; packet counts of four bits
@@ -177,7 +177,7 @@ impl Receiver {
             self.report.restarts += 1;
             if self.may_follow() {
                 self.begin_again(outlet);
-                self.look_ready();
+                self.use_ready();
             } else {
                 // Counts and times of the streams are those from before.
                 self.forget_streams();
@@ -241,7 +241,7 @@ impl Receiver {
             return;
         }
         self.close_run(outlet);
-        self.roster.learn_anew(stream, description);
+        self.roster.learn_again(stream, description);
     }
 
     fn read(&mut self, datagram: &[u8], arrival: Instant, outlet: &mut impl Outlet) -> Result<(), Malformed> {
@@ -270,12 +270,12 @@ impl Receiver {
                     self.note(stream, packet.kind, packet.count, packet.time_ps, true);
                 }
                 // Learned even when it comes again: a forged one may have had the same count and time.
-                let anew = self.whole_pulses() == 0;
-                if anew && !self.roster.agrees(stream, &context) {
+                let fresh = self.whole_pulses() == 0;
+                if fresh && !self.roster.agrees(stream, &context) {
                     self.close_run(outlet);
                 }
-                self.roster.learn_context(stream, context, anew);
-                self.look_ready();
+                self.roster.learn_context(stream, context, fresh);
+                self.use_ready();
             }
             Kind::ExtensionContext => {
                 let body = packet.class.map(|class| Extension::parse(class, packet.payload)).transpose()?;
@@ -291,13 +291,13 @@ impl Receiver {
                         // Looked at even when it comes again: another run may begin with the same count and
                         // time.
                         self.another(&description, outlet);
-                        // Many pieces of a replica bear one time: their counts tell nothing.
+                        // Many pieces of a replica have one time: their counts show no order.
                         let counts = !matches!(description, Extension::Replica(_));
                         if counts && self.is_new(stream, &packet) {
                             self.note(stream, packet.kind, packet.count, packet.time_ps, true);
                         }
                         self.learn(stream, description, outlet);
-                        self.look_ready();
+                        self.use_ready();
                     }
                 }
             }
@@ -361,7 +361,7 @@ impl Receiver {
             Entry::Occupied(mut known) => {
                 let known = known.get_mut();
                 if place && assembly.is_some_and(|assembly| known.is_ahead(time_ps, assembly.apart_ps())) {
-                    known.begin_anew(count, time_ps);
+                    known.begin_again(count, time_ps);
                 } else if known.judge(count, time_ps) == Order::Overtaken {
                     self.report.overtaken += 1;
                 }
@@ -369,7 +369,7 @@ impl Receiver {
         }
     }
 
-    fn look_ready(&mut self) {
+    fn use_ready(&mut self) {
         if let (None, Some(known)) = (&self.assembly, self.roster.known()) {
             self.assembly = Some(Assembly::new(&known.header));
             self.known += 1;

@@ -47,7 +47,7 @@ impl Stream {
 
     /// The stream goes on with this packet: what was noted as its latest was none of it. What is missing
     /// stays counted.
-    pub(super) fn begin_anew(&mut self, count: u8, time_ps: Option<i128>) {
+    pub(super) fn begin_again(&mut self, count: u8, time_ps: Option<i128>) {
         let missing = self.missing;
         *self = Self { missing, ..Self::begin(count, time_ps) };
     }
@@ -86,12 +86,12 @@ mod tests {
         assert_eq!(stream.judge(3, Some(3)), Order::Next);
         assert_eq!((stream.judge(4, Some(900)), stream.missing()), (Order::Next, 2));
         assert!(stream.is_ahead(Some(4), 100) && !stream.is_ahead(Some(850), 100));
-        stream.begin_anew(4, Some(4));
+        stream.begin_again(4, Some(4));
         assert_eq!((stream.judge(6, Some(6)), stream.missing()), (Order::Next, 3));
     }
 
     #[test]
-    fn counts_tell_losses_doubles_and_overtaking() {
+    fn counts_distinguish_losses_doubles_and_overtaking() {
         let mut stream = Stream::begin(14, Some(0));
         let mut judge = |count, time| (stream.judge(count, Some(time)), stream.missing());
         assert_eq!(judge(15, 1), (Order::Next, 0));

@@ -208,7 +208,7 @@ impl Radar {
         self.signal = None;
     }
 
-    /// Forgets what contradicts an antenna: itself, or all where there were said to be more or fewer.
+    /// Forgets what contradicts an antenna: itself, or all where their number has changed.
     pub(super) fn forget_antenna(&mut self, [number, of]: [u32; 2]) {
         let same = self.antennas.len() == of as usize;
         match self.antennas.get_mut(number as usize) {
@@ -217,7 +217,8 @@ impl Radar {
         }
     }
 
-    /// Forgets what contradicts a piece of the replica: itself, or all where the pieces were of another length.
+    /// Forgets what contradicts a piece of the replica: itself, or all where the pieces were of another
+    /// length.
     pub(super) fn forget_piece(&mut self, piece: &ReplicaPiece) {
         if piece.piece == self.piece {
             self.pieces.remove(&piece.first);

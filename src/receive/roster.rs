@@ -131,7 +131,7 @@ impl Roster {
     }
 
     /// Takes a description that contradicts what was learned, in the place of that.
-    pub(super) fn learn_anew(&mut self, stream: u32, extension: Extension) {
+    pub(super) fn learn_again(&mut self, stream: u32, extension: Extension) {
         match &extension {
             Extension::State(_) => {}
             Extension::Run(_) => {
@@ -155,11 +155,11 @@ impl Roster {
     }
 
     /// Takes the standard context of a stream. One that contradicts what is known is counted, and left unless
-    /// all is to be learned anew.
-    pub(super) fn learn_context(&mut self, stream: u32, context: Context, anew: bool) {
+    /// all is to be learned again.
+    pub(super) fn learn_context(&mut self, stream: u32, context: Context, fresh: bool) {
         if !self.agrees(stream, &context) {
             self.contradictions += 1;
-            if !anew {
+            if !fresh {
                 return;
             }
             self.known = None;

@@ -147,13 +147,13 @@ impl Subscriber {
     /// Subscribes, as soon as somebody publishes.
     ///
     /// # Errors
-    /// Nobody who publishes within `patience`, and no place for another subscriber.
-    pub fn open(service: &str, patience: Duration) -> Result<Self, ShmError> {
+    /// Nobody who publishes within `timeout`, and no place for another subscriber.
+    pub fn open(service: &str, timeout: Duration) -> Result<Self, ShmError> {
         let refused = |error: &dyn std::fmt::Debug| ShmError::Refused {
             service: service.to_owned(),
             error: format!("{error:?}"),
         };
-        let until = Instant::now() + patience;
+        let until = Instant::now() + timeout;
         let node = node(service).map_err(|error| refused(&error))?;
         let names = [name(service, "pulses"), name(service, "run")];
         let [Ok(of_pulses), Ok(of_run)] = names else { return Err(refused(&"no name of a service")) };
@@ -260,7 +260,8 @@ impl Subscriber {
         self.received
     }
 
-    /// Pulses that were published after the first one received and did not come: this subscriber was too slow.
+    /// Pulses that were published after the first one received and did not come: this subscriber was too
+    /// slow.
     pub fn missed(&self) -> u64 {
         self.missed
     }

@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_that_was_is_told_from_a_new_one() {
+    fn a_place_that_was_is_distinguished_from_a_new_one() {
         let mut track = track();
         track.whole(5000 * SECOND_PS);
         let mut last = Verdict::Waits;

@@ -82,6 +82,7 @@ pub struct AntennaRow {
 /// Where an antenna or a receive window looks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Look {
     /// Ahead of a mount that is bolted to the body.
     Body {

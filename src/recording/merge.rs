@@ -307,7 +307,8 @@ impl Ended {
     }
 }
 
-/// Refuses a run of shards of which some are not given, or one ended early: nothing after it would show the gap.
+/// Refuses a run of shards of which some are not given, or one ended early: nothing after it would show the
+/// gap.
 fn all_given(shards: BTreeMap<u64, Ended>) -> Result<(), MergeError> {
     let Some(of) = shards.values().next().map(|ended| ended.shard.of()) else { return Ok(()) };
     let given = shards.len() as u64;

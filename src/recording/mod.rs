@@ -82,8 +82,8 @@ const LONGEST_S: f64 = 1e8;
 /// Samples of all channels that are read at a time, bytes in the file.
 const BLOCK_BYTES: usize = 4 << 20;
 
-/// Whether a pulse leaves after the one before it (s after the first that was read), and its window opens some
-/// time about then; else what is wrong.
+/// Whether a pulse leaves after the one before it (s after the first that was read), and its window opens
+/// some time about then; else what is wrong.
 fn check_instants(
     number: u64,
     before_s: Option<f64>,
@@ -197,8 +197,8 @@ impl Recording {
         Self::open_channels(path, pulses, None, |header| Ok((0..header.channels.len()).collect()))
     }
 
-    /// The same with the samples of some channels only, chosen by the header, as long as they take no more than
-    /// `most_bytes`.
+    /// The same with the samples of some channels only, chosen by the header, as long as they take no more
+    /// than `most_bytes`.
     ///
     /// # Errors
     /// As [`Self::open`], what `choose` reports, and samples that need more memory.

@@ -66,8 +66,8 @@ impl FileKind {
         is_ours.then_some(Holding::File).ok_or(self.name())
     }
 
-    /// Whether a file with this signature is one of this program, where others make files of the kind that cannot
-    /// be made again.
+    /// Whether a file with this signature is one of this program, where others make files of the kind that
+    /// cannot be made again.
     fn is_ours(self, path: &Path) -> bool {
         match self {
             Self::Hdf5 => format(path).starts_with(b"nereus"),

@@ -12,8 +12,8 @@ impl Recording {
         Layout { format: SampleFormat::Cf32, ..self.header.layout }
     }
 
-    /// Fills a slot with a pulse in use. What was not recorded is not a number; channels that were not read are
-    /// zero.
+    /// Fills a slot with a pulse in use. What was not recorded is not a number; channels that were not read
+    /// are zero.
     pub fn pulse(&self, pulse: usize, slot: &mut Pulse) {
         let (Some(row), Some(index)) = (self.rows.clone().nth(pulse), self.index.get(pulse)) else { return };
         slot.index = *index;

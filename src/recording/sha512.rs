@@ -1,8 +1,8 @@
 //! SHA-512, by which SigMF tools find a file that was changed.
 //!
-//! Source: FIPS 180-4, sections 5 and 6.4. Constants: the first 64 bits of the fractional parts of the cube roots
-//! (rounds) and square roots (start) of the first primes. Not a guard against somebody who changes both file and
-//! hash.
+//! Source: FIPS 180-4, sections 5 and 6.4. Constants: the first 64 bits of the fractional parts of the cube
+//! roots (rounds) and square roots (start) of the first primes. Not a guard against somebody who changes both
+//! file and hash.
 //!
 //! ```
 //! use nereus::recording::sha512::Sha512;

@@ -14,10 +14,11 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-/// One of `of` parts of a run, of equal length to a pulse. Numbers begin with 1, as those of an array of jobs do.
+/// One of `of` parts of a run, of equal length to a pulse. Numbers begin with 1, as those of an array of jobs
+/// do.
 ///
-/// A recording is the same whatever the shards: blocks of pulses lie on a raster that begins with pulse 0, and
-/// one that two shards share is made by both.
+/// A recording is the same whatever the shards: blocks of pulses lie on a raster that begins with pulse 0,
+/// and one that two shards share is made by both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     number: u64,

@@ -6,11 +6,11 @@
 //!
 //! Samples are those of the recording, bit for bit: `cf32_le`, or of an ADC its counts, `ci16_le`. Windows
 //! follow each other without the time between them: a tool that draws them draws no gap, and the annotation
-//! says when each was taken.
+//! states when each was taken.
 //!
-//! The recording is read in blocks, twice: its samples, then what is known of each pulse. Files are made under
-//! other names and get their own when all are complete: data first, since it is the metadata that makes a
-//! recording.
+//! The recording is read in blocks, twice: its samples, then what is known of each pulse. Files are made
+//! under other names and get their own when all are complete: data first, since it is the metadata that makes
+//! a recording.
 //!
 //! Source: SigMF 1.2. Limits: times in nanoseconds, from 1678 to 2262.
 
@@ -136,7 +136,7 @@ fn datatype(header: &Header) -> &'static str {
     }
 }
 
-/// Whether a file is one that an export has made: what says so stands at the beginning of the metadata and of
+/// Whether a file is one that an export has made: the mark of it is at the beginning of the metadata and of
 /// the collection, and samples lie beside their metadata.
 fn recognise(path: &Path) -> Recognised {
     let ours = |path: &Path| {

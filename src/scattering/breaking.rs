@@ -11,11 +11,12 @@
 //! `W sigma` on top of what it returns without breaking, `W` its coverage by breakers
 //! ([`coverage`](crate::sea::breaking::coverage)).
 //!
-//! **VV over HH.** At moderate incidence breakers hardly know polarisation; near grazing HH exceeds VV by some
-//! 5 dB (Liu, Frasier and McIntosh 1998, at 3 degrees). What makes the difference is the water before the
-//! front face, which reflects H almost wholly and V near Brewster's angle hardly (Trizna 1997). Each of the
-//! two ways has the straight ray and the reflected one, in backscatter the same both ways, of a phase that the
-//! height of the breaker makes random: the mean of `|1 + R e^{j psi}|^4` is `1 + 4|R|^2 + |R|^4`, hence
+//! **VV over HH.** At moderate incidence breakers hardly know polarisation; near grazing HH exceeds VV by
+//! some 5 dB (Liu, Frasier and McIntosh 1998, at 3 degrees). What makes the difference is the water before
+//! the front face, which reflects H almost wholly and V near Brewster's angle hardly (Trizna 1997). Each of
+//! the two ways has the straight ray and the reflected one, in backscatter the same both ways, of a phase
+//! that the height of the breaker makes random: the mean of `|1 + R e^{j psi}|^4` is `1 + 4|R|^2 + |R|^4`,
+//! hence
 //!
 //! `sigma_vv/sigma_hh = p(th_i) p(th_s)` , `p^2 = (1 + 4|R_v|^2 + |R_v|^4)/(1 + 4|R_h|^2 + |R_h|^4)` ,
 //!
@@ -63,8 +64,8 @@ pub struct Returned {
     pub cross: f64,
 }
 
-/// Cross sections over a path, of a breaker that runs along the horizontal unit vector `travel`, over water of
-/// a permittivity.
+/// Cross sections over a path, of a breaker that runs along the horizontal unit vector `travel`, over water
+/// of a permittivity.
 ///
 /// ```
 /// use glam::DVec3;
@@ -93,8 +94,8 @@ pub fn breaker(permittivity: Complex64, path: &Path, travel: DVec3) -> Returned 
 }
 
 /// What breaking waves add to the cross section of a sea per area, `[received][transmitted]`, v before h: the
-/// mean over the directions in which they run, about a wind that blows towards an angle of x, rad, times their
-/// coverage in its speed at 10 m, m/s.
+/// mean over the directions in which they run, about a wind that blows towards an angle of x, rad, times
+/// their coverage in its speed at 10 m, m/s.
 pub fn sigma0(permittivity: Complex64, path: &Path, downwind_rad: f64, u10_mps: f64) -> [[f64; 2]; 2] {
     let mut sigma0 = [[0.0; 2]; 2];
     for (off_rad, weight) in DIRECTIONS {

@@ -11,7 +11,7 @@
 //! them by `|R|^2 exp(-4 k^2 cos^2 th_l s^2)`, `s^2` their height variance (m^2), `k` the radar wave number.
 //!
 //! Source: Barrick, IEEE TAP 16, 449 (1968). Monostatic: `pi sec^4 |R(0)|^2 p`. Limits: radii of curvature
-//! well above the wavelength; no multiple in-flight acceleration. Straight ahead (`q -> 0`) there is no
+//! well above the wavelength; no multiple reflections. Straight ahead (`q -> 0`) there is no
 //! specular normal: the contribution is 0.
 //!
 //! ```

@@ -1,5 +1,6 @@
 //! What each thing that scatters returns, as one flat list of scatterer paths.
 
+mod batch;
 pub mod bragg;
 pub mod breaking;
 pub mod clutter_nrl;

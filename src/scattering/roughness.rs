@@ -10,7 +10,8 @@
 //! | `I_0` | modified Bessel function of the first kind: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), 9.8.1 and 9.8.2, off by 2e-7 | |
 //!
 //! Source: Miller, Brown and Vegh, IEE Proc. F 131 (1984) 114, by the densities of heights at points that are
-//! seen; measurements lie about it, and above Ament's `e^-x` (Proc. IRE 41 (1953) 142) for `k s sin psi > 0.7`.
+//! seen; measurements lie about it, and above Ament's `e^-x` (Proc. IRE 41 (1953) 142) for
+//! `k s sin psi > 0.7`.
 //!
 //! Limits: the coherent field alone; what waves scatter about the specular direction is not in it.
 //!
@@ -34,8 +35,8 @@ const FAR: [f64; 9] = [
     0.00392377,
 ];
 
-/// Share of the reflected field that stays coherent, at a wave number, rad/m, of waves of a standard deviation,
-/// m.
+/// Share of the reflected field that stays coherent, at a wave number, rad/m, of waves of a standard
+/// deviation, m.
 pub fn coherent(wave_number_rad_m: f64, height_rms_m: f64, grazing_sine: f64) -> f64 {
     let x = 2.0 * (wave_number_rad_m * height_rms_m * grazing_sine).powi(2);
     let sum = |terms: &[f64], at: f64| terms.iter().rev().fold(0.0, |sum, term| sum * at + term);

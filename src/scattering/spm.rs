@@ -19,8 +19,8 @@
 //!
 //! `ci cs (Rs^T a Ri)_pq = ci cs (eps-1) [E'_t . E_t + eps E'_z E_z]`,
 //!
-//! free of singular cases at nadir (derived from the above with `eps c^2 - r^2 = -(eps-1) sin^2`; tests compare
-//! it with the above).
+//! free of singular cases at nadir (derived from the above with `eps c^2 - r^2 = -(eps-1) sin^2`; tests
+//! compare it with the above).
 //!
 //! `k` is the radar wave number (rad/m), `Psi` the symmetrised two-sided height spectrum (m^4, its
 //! integral over the whole plane is the height variance): `Psi_sym(K) = [Psi(K) + Psi(-K)]/2`.

@@ -330,8 +330,8 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         SlopePdf::along(self.moments(cover).slopes, skew, self.downwind.0, self.downwind.1)
     }
 
-    /// Spectrum that scatters by Bragg, at a wave vector on the local axes, on a facet covered to `cover`, m^4,
-    /// with waves beside those of the wind, of a spectrum of their own; the kind of cover damps both.
+    /// Spectrum that scatters by Bragg, at a wave vector on the local axes, on a facet covered to `cover`,
+    /// m^4, with waves beside those of the wind, of a spectrum of their own; the kind of cover damps both.
     #[inline]
     fn raised_spectrum(&self, kx: f64, ky: f64, cover: f64, beside: impl Fn(f64, f64) -> f64) -> f64 {
         let magnitude = (kx * kx + ky * ky).sqrt();

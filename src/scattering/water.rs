@@ -55,14 +55,14 @@ use std::sync::Arc;
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 
+use super::batch::{Batch, batch};
 use super::bragg::{BraggLines, Setting};
 use super::facets::{Facets, LengthError, Phases};
-use super::kind::Kind;
 use super::kind::clean::Clean;
 use super::kind::slick::Slick;
 use super::kind::turbulent_wake::{RatioError, TurbulentWake};
 use super::lanes::table::{BraggTable, Density, MOST_RELATIVE_ERROR};
-use super::lanes::{LaneKind, LaneModulation, LaneWater};
+use super::lanes::{LaneModulation, LaneWater};
 use super::modulation::{self, TiltBias};
 use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::Speckle;
@@ -118,57 +118,6 @@ pub enum SpectrumPath {
     Tabulated,
 }
 
-/// Facets of one kind, a batch at a time.
-trait Batch: Send + Sync {
-    fn scatter(&self, facets: &Facets, phases: Phases, out: [&mut [Complex64]; 4])
-    -> Result<(), LengthError>;
-    fn bragg_table(&self) -> BraggTable;
-    fn lane_kind(&self, table: &BraggTable) -> LaneKind;
-    fn lane_tilts(&self) -> Vec<[f32; 3]>;
-
-    /// With waves beside those of the wind: facet, wave vector on the axes of the wind.
-    fn scatter_beside(
-        &self,
-        facets: &Facets,
-        phases: Phases,
-        beside: &dyn Fn(usize, f64, f64) -> f64,
-        out: [&mut [Complex64]; 4],
-    ) -> Result<(), LengthError>;
-}
-
-impl<K: Kind + Send + Sync, F: Fn(f64, f64) -> f64 + Send + Sync> Batch for TwoScale<K, F> {
-    fn scatter(
-        &self,
-        facets: &Facets,
-        phases: Phases,
-        out: [&mut [Complex64]; 4],
-    ) -> Result<(), LengthError> {
-        facets.scatter(self, phases, out)
-    }
-
-    fn bragg_table(&self) -> BraggTable {
-        TwoScale::bragg_table(self)
-    }
-
-    fn lane_kind(&self, table: &BraggTable) -> LaneKind {
-        TwoScale::lane_kind(self, table)
-    }
-
-    fn lane_tilts(&self) -> Vec<[f32; 3]> {
-        TwoScale::lane_tilts(self)
-    }
-
-    fn scatter_beside(
-        &self,
-        facets: &Facets,
-        phases: Phases,
-        beside: &dyn Fn(usize, f64, f64) -> f64,
-        out: [&mut [Complex64]; 4],
-    ) -> Result<(), LengthError> {
-        facets.scatter_beside(self, phases, beside, out)
-    }
-}
-
 /// Every kind of water of a scene.
 pub struct WaterScattering {
     kinds: Vec<Box<dyn Batch>>,
@@ -200,7 +149,7 @@ pub struct WaterScattering {
 /// Longest wave of which a strip knows the damping, rad/m.
 const LONGEST_STIRRED_RADPM: f64 = 0.5;
 
-/// Water in which only a part of the wind at 10 m raises the short waves. A measured spectrum does not tell
+/// Water in which only a part of the wind at 10 m raises the short waves. A measured spectrum does not show
 /// what less wind would do; the ratio is then that of Elfouhaily's.
 fn stirred(
     water: &Water,
@@ -230,27 +179,49 @@ fn stirred(
     Ok(TurbulentWake::new(range, ratio)?)
 }
 
-/// One kind, asking the spectrum itself or a table of it, its sub-facets modulated or not.
-fn batch<K, F>(
-    settings: Settings,
-    medium: Medium,
-    kind: K,
-    psi: F,
-    table: Option<&Arc<SpectrumTable<F>>>,
-    bias: Option<TiltBias>,
-) -> Box<dyn Batch>
-where
-    K: Kind + Send + Sync + 'static,
-    F: Fn(f64, f64) -> f64 + Send + Sync + 'static,
-{
-    match table {
-        None => Box::new(TwoScale::new(settings, medium, kind, psi).with_tilt_bias(bias)),
-        Some(table) => {
-            let table = Arc::clone(table);
-            let sea = TwoScale::new(settings, medium, kind, move |x, y| table.psi(x, y));
-            Box::new(sea.with_tilt_bias(bias))
-        }
-    }
+/// Clean water at a carrier, with the wind's direction as its axis.
+fn medium(sea: &Sea, wind: &Wind, carrier_hz: f64) -> Result<Medium, WaterError> {
+    let Water { temperature_c, salinity_psu, .. } = sea.water;
+    let model = match sea.scattering.permittivity {
+        Permittivity::MeissnerWentz => Model::MeissnerWentz2012,
+        Permittivity::KleinSwift => Model::KleinSwift1977,
+    };
+    let sea_water = SeaWater { temperature_c, salinity_gpkg: salinity_psu };
+    let (sin, cos) = wind.direction_rad.sin_cos();
+    Ok(Medium {
+        carrier_hz,
+        permittivity: model.permittivity(carrier_hz, sea_water)?,
+        wind_12p5_mps: wind.u12_5_mps,
+        downwind_rad: 0.0,
+        resolved_radpm: std::f64::consts::PI / sea.patch.facet_m,
+        axis: DVec3::new(cos, sin, 0.0),
+    })
+}
+
+/// The lines of travelling Bragg waves; `None` where they are frozen.
+fn bragg_lines<F: Fn(f64, f64) -> f64>(
+    sea: &Sea,
+    wind: &Wind,
+    spectrum: &dyn Spectrum,
+    clean: &TwoScale<Clean, F>,
+    seed: u64,
+) -> Option<BraggLines> {
+    let BraggWaves::Travelling { drift_share, drift_turn_rad } = sea.scattering.bragg else { return None };
+    let (north, east) = (wind.direction_rad + drift_turn_rad).sin_cos();
+    let (sin, cos) = wind.direction_rad.sin_cos();
+    let medium = clean.medium();
+    let setting = Setting {
+        spectrum,
+        dispersion: sea.water.dispersion,
+        downwind: [cos, sin],
+        drift_mps: [east, north].map(|c| drift_share * wind.u10_mps * c),
+        wavenumber_radpm: medium.wavenumber_radpm(),
+        resolved_radpm: medium.resolved_radpm,
+        cut_radpm: clean.cut_radpm(),
+        decorrelation_s: sea.scattering.decorrelation_s,
+        seed,
+    };
+    Some(BraggLines::new(&setting, clean.tilt_variances()))
 }
 
 impl WaterScattering {
@@ -265,23 +236,9 @@ impl WaterScattering {
         strips: &[Strip],
         sight: Sight,
     ) -> Result<Self, WaterError> {
-        let Sea { water: Water { temperature_c, salinity_psu, .. }, scattering: settings, slicks, .. } = sea;
-        let (temperature_c, salinity_psu) = (*temperature_c, *salinity_psu);
-        let model = match settings.permittivity {
-            Permittivity::MeissnerWentz => Model::MeissnerWentz2012,
-            Permittivity::KleinSwift => Model::KleinSwift1977,
-        };
-        let sea_water = SeaWater { temperature_c, salinity_gpkg: salinity_psu };
-        let permittivity = model.permittivity(sight.carrier_hz, sea_water)?;
+        let Sea { scattering: settings, slicks, .. } = sea;
         let (sin, cos) = wind.direction_rad.sin_cos();
-        let medium = Medium {
-            carrier_hz: sight.carrier_hz,
-            permittivity,
-            wind_12p5_mps: wind.u12_5_mps,
-            downwind_rad: 0.0,
-            resolved_radpm: std::f64::consts::PI / sea.patch.facet_m,
-            axis: DVec3::new(cos, sin, 0.0),
-        };
+        let medium = medium(sea, wind, sight.carrier_hz)?;
         let two_scale = Settings {
             splitting: settings.splitting,
             cut_radpm: settings.cut_radpm,
@@ -305,24 +262,7 @@ impl WaterScattering {
         }
         let bias = clean.tilt_bias();
         let (mechanisms, cut_radpm, moments) = (1 + clean.tilts(), clean.cut_radpm(), clean.moments(0.0));
-        let travelling = match settings.bragg {
-            BraggWaves::Frozen => None,
-            BraggWaves::Travelling { drift_share, drift_turn_rad } => {
-                let (north, east) = (wind.direction_rad + drift_turn_rad).sin_cos();
-                let setting = Setting {
-                    spectrum: spectrum.as_ref(),
-                    dispersion: sea.water.dispersion,
-                    downwind: [cos, sin],
-                    drift_mps: [east, north].map(|c| drift_share * wind.u10_mps * c),
-                    wavenumber_radpm: medium.wavenumber_radpm(),
-                    resolved_radpm: medium.resolved_radpm,
-                    cut_radpm,
-                    decorrelation_s: settings.decorrelation_s,
-                    seed: sight.seed,
-                };
-                Some(BraggLines::new(&setting, clean.tilt_variances()))
-            }
-        };
+        let travelling = bragg_lines(sea, wind, spectrum.as_ref(), &clean, sight.seed);
         let table = match sight.spectrum {
             SpectrumPath::Exact => None,
             SpectrumPath::Tabulated => {
@@ -369,7 +309,7 @@ impl WaterScattering {
             bias: bias.unwrap_or_default(),
             seed: sight.seed,
             mechanisms,
-            permittivity,
+            permittivity: medium.permittivity,
             wavenumber_radpm: medium.wavenumber_radpm(),
             cut_radpm,
             moments,

@@ -19,6 +19,7 @@ pub struct Calibration {
 
 /// A signal known in closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Signal {
     /// Continuous, so far above the carrier.
     Tone {

@@ -36,7 +36,7 @@ pub struct Scene {
     pub pulses: u64,
     /// Seed of every random stream.
     pub seed: u64,
-    /// Names of the platforms; other rooms refer to a platform by its place here.
+    /// Names of the platforms; other modules refer to a platform by its place here.
     pub platforms: Vec<String>,
     /// The instrument.
     pub radar: Radar,

@@ -106,6 +106,7 @@ pub struct Pair {
 
 /// The transmitted baseband pulse, unit amplitude.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Waveform {
     /// Linear frequency modulation, `exp(j pi mu (t - Tc/2)^2)`, `mu = +-B/Tc`.
     Lfm {
@@ -127,6 +128,7 @@ pub enum Waveform {
 
 /// Direction of a linear sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Sweep {
     /// Frequency rises.
     Up,
@@ -186,6 +188,7 @@ impl Polarisation {
 
 /// Which polarisations leave together.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum TxPolarisation {
     /// Every pulse leaves in all polarisations that the channels need (ideally separable).
     Simultaneous,
@@ -214,6 +217,7 @@ pub struct Window {
 
 /// Where a receive window starts.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Gate {
     /// A fixed time after the emission, s.
     Fixed {
@@ -269,6 +273,7 @@ pub struct AntennaMount {
 
 /// A gain pattern.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Pattern {
     /// Equal gain everywhere.
     Isotropic {
@@ -300,6 +305,7 @@ pub enum Pattern {
 
 /// How the ports H and V of an antenna lie across a ray; `docs/polarisation.md` draws both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PolarisationBasis {
     /// H is horizontal at the phase centre, V completes it: an isotropic antenna, whatever its pointing.
     LocalHorizontal,
@@ -327,6 +333,7 @@ impl PolarisationBasis {
 
 /// Where an antenna points.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Pointing {
     /// Bolted to the body: yaw, pitch, roll of the antenna frame relative to the body, radians.
     Fixed {
@@ -352,6 +359,7 @@ pub enum Pointing {
 
 /// A point on the surface that an antenna or a receive window follows.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Aim {
     /// A point that moves on a straight line (position at pulse 0).
     Point {
@@ -373,8 +381,9 @@ pub enum Aim {
 
 /// Which trajectory a servo or a receive window acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AimFrom {
-    /// What the platform says.
+    /// What the platform reports.
     Reported,
     /// Where the platform is.
     True,

@@ -1,6 +1,6 @@
 //! The sea of a scene: the water, the patch of it that is modelled, how it scatters, what floats on it.
 //!
-//! Plain settings; the rooms `sea`, `scattering`, `geometry` and `radar` know what they mean.
+//! Plain settings; the modules `sea`, `scattering`, `geometry` and `radar` know what they mean.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ pub struct Sea {
     /// How the spectrum is drawn, and where from.
     pub realisation: Realisation,
     /// The facets that are modelled. Of a patch that follows, only their number and size: where they are, its
-    /// aim says.
+    /// aim of the receiver has it.
     pub patch: Patch,
     /// Whether they stay.
     pub place: PatchPlace,
@@ -33,6 +33,7 @@ pub struct Sea {
 
 /// Where the amplitudes of the waves come from.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Realisation {
     /// Drawn from the scene's seed.
     Drawn {
@@ -48,6 +49,7 @@ pub enum Realisation {
 
 /// How the spectrum is taken on the grid of wave numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Averaging {
     /// Means over cells where the grid is coarse for the spectrum, points otherwise.
     #[default]
@@ -60,6 +62,7 @@ pub enum Averaging {
 
 /// Order of the waves in their steepness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Waves {
     /// Linear: crests and troughs alike, facets of equal area.
     #[default]
@@ -70,6 +73,7 @@ pub enum Waves {
 
 /// Whether the patch stays.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum PatchPlace {
     /// It stays where it is.
     Fixed,
@@ -134,6 +138,7 @@ impl Default for FacetScattering {
 
 /// Whether waves break.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Breaking {
     /// None does.
     #[default]
@@ -144,6 +149,7 @@ pub enum Breaking {
 
 /// Model of the permittivity of sea water.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Permittivity {
     /// Meissner and Wentz 2012: 1 to 90 GHz.
     #[default]
@@ -154,6 +160,7 @@ pub enum Permittivity {
 
 /// How waves are shared between the two scattering mechanisms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Splitting {
     /// Each wave counts once.
     #[default]
@@ -164,6 +171,7 @@ pub enum Splitting {
 
 /// Which Bragg waves a light wind has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LightWinds {
     /// None below the wind that sustains them, and never fewer in more wind (`sea::spectrum::light_wind`).
     #[default]
@@ -174,6 +182,7 @@ pub enum LightWinds {
 
 /// Whether the Bragg waves within a facet travel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum BraggWaves {
     /// They ride on the facet and do not move: no Doppler but the facet's.
     #[default]
@@ -189,6 +198,7 @@ pub enum BraggWaves {
 
 /// Whether long waves modulate the Bragg waves of a facet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Modulation {
     /// All facets are as rough.
     #[default]
@@ -207,6 +217,7 @@ impl BraggWaves {
 
 /// How random phases enter a facet's matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Phases {
     /// One phase for each mechanism, amplitudes as they are.
     #[default]
@@ -259,6 +270,7 @@ pub struct SlickRegion {
 
 /// Outline of a slick, on the horizontal plane of the scene frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum SlickShape {
     /// An ellipse.
     Ellipse {

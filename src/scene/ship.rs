@@ -49,6 +49,7 @@ pub struct ShipMesh {
 
 /// How a ship that echoes by its mesh rides the sea.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum ShipMotion {
     /// Level, at the height of the mean sea.
     #[default]
@@ -84,6 +85,7 @@ impl Default for ShipMesh {
 
 /// Where a hull comes from.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum HullGiven {
     /// A hull table.
     File(PathBuf),

@@ -49,6 +49,7 @@ pub struct Aspect {
 
 /// How the radar cross section of a target fluctuates: Swerling's cases.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Swerling {
     /// Case 0: not at all.
     #[default]

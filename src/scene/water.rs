@@ -1,6 +1,6 @@
 //! The water, as described: wind, spectrum, swell, depth, temperature, salinity.
 //!
-//! Plain settings; the room `sea` knows what they mean and checks their ranges.
+//! Plain settings; the module `sea` knows what they mean and checks their ranges.
 
 use std::path::PathBuf;
 
@@ -34,6 +34,7 @@ pub struct WindGiven {
 
 /// Strength of the wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum WindStrength {
     /// Friction velocity u*, m/s.
     FrictionVelocity {
@@ -51,6 +52,7 @@ pub enum WindStrength {
 
 /// Neutral wind profile over the sea.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum WindProfile {
     /// Cardone 1969, as used by Pierson and Stacy 1973.
     #[default]
@@ -61,6 +63,7 @@ pub enum WindProfile {
 
 /// Spectrum of the sea.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum SpectrumKind {
     /// Elfouhaily et al. 1997, with its own spreading.
     Elfouhaily {
@@ -97,6 +100,7 @@ pub enum SpectrumKind {
 
 /// How developed a wind sea is.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Development {
     /// Inverse wave age `Omega_c`: 0.84 fully developed, up to 5 very young.
     InverseWaveAge(f64),
@@ -112,6 +116,7 @@ impl Default for Development {
 
 /// Directional spreading `cos^2s(phi/2)` about the wind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Spreading {
     /// The same exponent s for all waves.
     Constant(f64),
@@ -140,6 +145,7 @@ pub struct Swell {
 
 /// Shape of a swell in frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum SwellShape {
     /// Gaussian.
     Gaussian {
@@ -153,7 +159,7 @@ pub enum SwellShape {
     },
 }
 
-/// How waves travel: deep-water gravity waves unless said otherwise.
+/// How waves travel: deep-water gravity waves by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dispersion {
     /// Whether surface tension counts (km = 370 rad/m).

@@ -98,6 +98,11 @@ impl Breaker {
         [self.place_m[0] + run_m * cos, self.place_m[1] + run_m * sin]
     }
 
+    /// Whether it is alive at any instant between two times.
+    pub fn lives(&self, from_s: f64, to_s: f64) -> bool {
+        self.born_s <= to_s && from_s <= self.born_s + self.life_s
+    }
+
     /// Amplitude at a time over its root mean square over the life: `sqrt(8/3) sin^2`, smooth at both ends.
     pub fn envelope(&self, elapsed_s: f64) -> f64 {
         let share = (elapsed_s - self.born_s) / self.life_s;

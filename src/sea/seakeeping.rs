@@ -21,13 +21,13 @@
 //! | `m` | Smith's reduction with depth, and the mean across the beam | |
 //! | `w_r = 2 pi/T_r` | natural frequency of roll | rad/s |
 //!
-//! **From the paper**: moduli of `f`, `D`, `s`, `c`, and `C_B`, for heave and pitch. **Simplified here**: its phases, which
-//! the relative motion of water and box gives that leads to its moduli; Smith's reduction with `k` in place of
-//! `|k_x|` and the mean across the beam (the same in head seas; in beam seas of short waves the paper's heave
-//! does not vanish); damping of no less than a tenth where very broad boxes radiate nothing at resonance;
-//! roll, for which the paper has a law of its own, is one degree of freedom, driven by the mean slope across
-//! the beam. Its period, unless given, is `T_r = 2 C B/sqrt(GM)` with the `C` of the weather criterion of the
-//! IMO (2008 IS Code, part A, 2.3) and [`METACENTRIC_RATIO`] for `GM/B`.
+//! **From the paper**: moduli of `f`, `D`, `s`, `c`, and `C_B`, for heave and pitch. **Simplified here**: its
+//! phases, which the relative motion of water and box gives that leads to its moduli; Smith's reduction with
+//! `k` in place of `|k_x|` and the mean across the beam (the same in head seas; in beam seas of short waves
+//! the paper's heave does not vanish); damping of no less than a tenth where very broad boxes radiate nothing
+//! at resonance; roll, for which the paper has a law of its own, is one degree of freedom, driven by the mean
+//! slope across the beam. Its period, unless given, is `T_r = 2 C B/sqrt(GM)` with the `C` of the weather
+//! criterion of the IMO (2008 IS Code, part A, 2.3) and [`METACENTRIC_RATIO`] for `GM/B`.
 //!
 //! Source: Jensen, Mansour, Olsen, "Estimation of ship motions using closed-form expressions", Ocean
 //! Engineering 31 (2004) 61.
@@ -40,7 +40,8 @@
 //! use nereus::sea::seakeeping::Seakeeping;
 //! let form = HullForm { length_m: 100.0, beam_m: 14.0, draught_m: 4.5, block: 0.6 };
 //! let ship = Seakeeping::new(&form, None);
-//! assert!((ship.roll_period_s() - 11.2).abs() < 0.1);
+//! // C = 0.373 + 0.023 B/d - 0.043 L/100 = 0.4016, GM = 0.98 m.
+//! assert!((ship.roll_period_s() - 11.36).abs() < 0.01);
 //! // A swell of 2 km from the bow lifts it as high as itself.
 //! let k = std::f64::consts::TAU / 2000.0;
 //! let w = (9.81 * k).sqrt();

@@ -1,8 +1,8 @@
 //! Pulses as a CRSD file ([`crate::recording::crsd`]), as they come.
 //!
-//! Arrays are written where they will be if all pulses of the run come; what is missing in the end is closed up.
-//! The file has no name of its own until it is complete: before that nobody could read it. A pulse waits for
-//! those after it that tell where antennas are when its window opens: three, and as many as leave before.
+//! Arrays are written where they will be if all pulses of the run come; what is missing in the end is closed
+//! up. The file has no name of its own until it is complete: before that nobody could read it. A pulse waits
+//! for those after it that show where antennas are when its window opens: three, and as many as leave before.
 
 use std::collections::VecDeque;
 use std::fs::OpenOptions;

@@ -94,7 +94,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// A recording at a path: HDF5 or CRSD if its name says so, or else a folder of plain files.
+    /// A recording at a path: HDF5 or CRSD by the end of its name, or else a folder of plain files.
     pub fn recording_at(path: &Path, force: bool) -> Self {
         let owned = path.to_owned();
         match (names_hdf5(path), names_crsd(path)) {

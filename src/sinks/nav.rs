@@ -5,7 +5,8 @@
 //! `latency_s` it leaves with the first pulse emitted that much later, as from a receiver that thinks for a
 //! while. With a rate above the PRF there is one message a pulse.
 //!
-//! The sink does not wait for its port ([`Port`]). An [`Encoder`] of the modules above turns states into messages.
+//! The sink does not wait for its port ([`Port`]). An [`Encoder`] of the modules above turns states into
+//! messages.
 
 use std::collections::VecDeque;
 use std::time::Duration;

@@ -129,8 +129,8 @@ impl Closed {
         self.drafts.iter_mut().for_each(Draft::hand_on);
     }
 
-    /// Leaves everything where it is, and reports where that is: what a failed run has recorded is not lost, nor
-    /// does it replace anything.
+    /// Leaves everything where it is, and reports where that is: what a failed run has recorded is not lost,
+    /// nor does it replace anything.
     pub fn keep(mut self) -> SinkReport {
         if self.drafts.is_empty() {
             return self.report;

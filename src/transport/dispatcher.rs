@@ -126,7 +126,7 @@ impl<'a> Dispatcher<'a> {
     }
 
     /// Waits for slots and takes the next pulses worth making: those from the given one on to the one that
-    /// `until` tells (later than it; never more than the ring has slots). `None` when all are claimed or the
+    /// `until` gives (later than it; never more than the ring has slots). `None` when all are claimed or the
     /// run is over.
     pub fn claim(&self, until: impl Fn(u64) -> u64) -> Option<Claim> {
         let since = Instant::now();

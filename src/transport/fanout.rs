@@ -14,7 +14,7 @@ use std::time::Duration;
 use crate::pulse::{Layout, Pulse, flags};
 
 use super::health::SinkHealth;
-use super::ring::{self, Consumer, Look, Producer};
+use super::ring::{self, Consumer, Polled, Producer};
 use super::view::View;
 use super::{Pace, StreamError};
 
@@ -99,7 +99,7 @@ impl Feed {
         take: impl FnOnce(&mut Pulse) -> Result<R, E>,
     ) -> Result<Fed<R>, E> {
         match self.queue.wait_for(timeout) {
-            Look::Slot(mut pulse) => {
+            Polled::Slot(mut pulse) => {
                 let taken = take(&mut pulse);
                 self.queue.give_back(pulse);
                 if taken.is_ok() {
@@ -107,8 +107,8 @@ impl Feed {
                 }
                 taken.map(Fed::Pulse)
             }
-            Look::Empty => Ok(Fed::Idle),
-            Look::Ended => Ok(Fed::Ended),
+            Polled::Empty => Ok(Fed::Idle),
+            Polled::Ended => Ok(Fed::Ended),
         }
     }
 }

@@ -1,9 +1,9 @@
 //! What the stream counts while it runs.
 //!
-//! Counters are atomic and lateness goes into a histogram of fixed size, so recording never
-//! allocates. What an onlooker reads while the stream runs ([`Health::counters`]) is behind no lock, so that he
-//! never holds up the thread that releases pulses. Lateness is `release - deadline` in whole nanoseconds (3 significant digits, up to one
-//! hour); quantiles are reported in microseconds.
+//! Counters are atomic and lateness goes into a histogram of fixed size, so recording never allocates. What
+//! an onlooker reads while the stream runs ([`Health::counters`]) is behind no lock, so that he never holds
+//! up the thread that releases pulses. Lateness is `release - deadline` in whole nanoseconds (3 significant
+//! digits, up to one hour); quantiles are reported in microseconds.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

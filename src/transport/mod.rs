@@ -45,7 +45,7 @@ pub enum StreamError {
     Thread {
         /// Its name.
         thread: String,
-        /// What the system said.
+        /// The system's error.
         kind: std::io::ErrorKind,
     },
 }
@@ -98,6 +98,7 @@ impl Default for Settings {
 
 /// When pulses are released.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Pace {
     /// At `t0 + n/PRF`.
     Realtime,
@@ -107,6 +108,7 @@ pub enum Pace {
 
 /// What happens when generation cannot keep up in real time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Policy {
     /// End with an error that names the stage that cannot keep up.
     Stop,

@@ -51,7 +51,7 @@ use crate::pulse::{Pulse, flags};
 use super::fanout::FanOut;
 use super::health::Health;
 use super::rights;
-use super::ring::{Consumer, DOZE, Look, NAP};
+use super::ring::{Consumer, DOZE, NAP, Polled};
 use super::schedule::Schedule;
 use super::{Pace, Policy, Settings};
 
@@ -139,7 +139,7 @@ impl InHand {
     }
 }
 
-/// What was made since the start. A rate of nothing says nothing.
+/// What was made since the start. Before there is a rate, nothing follows from it.
 fn so_far(made_hz: f64, needed_hz: f64) -> String {
     if made_hz == 0.0 {
         return "no other is, either".to_owned();
@@ -189,7 +189,7 @@ pub struct Pacer {
     pub settings: Settings,
     /// Counters.
     pub health: Arc<Health>,
-    /// Told to generation.
+    /// Passed on to generation.
     pub worth: Worth,
     /// Where progress goes; a full channel loses the message, never time.
     pub status: Option<Sender<Status>>,
@@ -340,16 +340,16 @@ impl Pacer {
     fn next(&mut self, judge: &mut Judge, expected: u64, stop: &AtomicBool) -> Result<Arrival, PacerError> {
         let realtime = self.settings.pace == Pace::Realtime;
         loop {
-            // Read before the look: if the look fails, the ring was empty at this instant or later.
+            // Read before the poll: if it fails, the ring was empty at this instant or later.
             let now = Instant::now();
-            match self.ring.look() {
-                Look::Slot(pulse) => {
+            match self.ring.poll() {
+                Polled::Slot(pulse) => {
                     let limit = judge.limit(&self.schedule, pulse.index);
                     let too_late = realtime && judge.seen_empty.is_some_and(|empty| empty > limit);
                     return Ok(Arrival::Pulse { pulse, too_late });
                 }
-                Look::Ended => return Ok(Arrival::Ended),
-                Look::Empty => judge.seen_empty = Some(now),
+                Polled::Ended => return Ok(Arrival::Ended),
+                Polled::Empty => judge.seen_empty = Some(now),
             }
             if stop.load(Ordering::Acquire) && realtime {
                 return Ok(Arrival::Ended);
@@ -364,13 +364,13 @@ impl Pacer {
                     }
                 }
             }
-            self.ring.doze(self.until_next_look(judge, now, expected));
+            self.ring.doze(self.until_next_poll(judge, now, expected));
         }
     }
 
     /// How long the pacer need not look into a ring that was empty: till the deadline of the pulse that is
     /// due. From then on it counts when it came.
-    fn until_next_look(&self, judge: &Judge, now: Instant, expected: u64) -> Duration {
+    fn until_next_poll(&self, judge: &Judge, now: Instant, expected: u64) -> Duration {
         if self.settings.pace != Pace::Realtime || expected >= self.schedule.end() {
             return DOZE;
         }

@@ -10,7 +10,7 @@
 
 use serde::Serialize;
 
-/// What the system has said.
+/// The system's answer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Right {
     /// `pacer_priority`, `pacer_core` or `lock_memory`.
@@ -102,7 +102,7 @@ mod tests {
 
     /// Whatever this process may do, it is reported; a core that nobody has is refused.
     #[test]
-    fn what_is_refused_is_told() {
+    fn what_is_refused_is_reported() {
         std::thread::spawn(|| {
             for right in [stay_on(100_000), stay_on(1000)] {
                 assert!(!right.granted && right.reason.is_some(), "{right:?}");

@@ -101,9 +101,9 @@ pub struct Consumer<T> {
     bell: Arc<Bell>,
 }
 
-/// What a look into a ring finds.
+/// What polling a ring finds.
 #[derive(Debug)]
-pub enum Look<T> {
+pub enum Polled<T> {
     /// The next filled slot.
     Slot(Box<T>),
     /// Nothing yet.
@@ -216,25 +216,25 @@ impl<T> Consumer<T> {
         self.filled.slots()
     }
 
-    /// Looks once.
-    pub fn look(&mut self) -> Look<T> {
+    /// Polls once.
+    pub fn poll(&mut self) -> Polled<T> {
         // Asked before the pop: what was committed before the producer went is still delivered.
         let ended = self.filled.is_abandoned();
         match self.filled.pop() {
-            Ok(slot) => Look::Slot(slot),
-            Err(_) if ended => Look::Ended,
-            Err(_) => Look::Empty,
+            Ok(slot) => Polled::Slot(slot),
+            Err(_) if ended => Polled::Ended,
+            Err(_) => Polled::Empty,
         }
     }
 
     /// Waits for the next slot. `None` at the end of the stream or when `stop` is set.
     pub fn wait(&mut self, stop: &AtomicBool) -> Option<Box<T>> {
         loop {
-            match self.look() {
-                Look::Slot(slot) => return Some(slot),
-                Look::Ended => return None,
-                Look::Empty if stop.load(Ordering::Acquire) => return None,
-                Look::Empty => self.doze(DOZE),
+            match self.poll() {
+                Polled::Slot(slot) => return Some(slot),
+                Polled::Ended => return None,
+                Polled::Empty if stop.load(Ordering::Acquire) => return None,
+                Polled::Empty => self.doze(DOZE),
             }
         }
     }
@@ -245,12 +245,12 @@ impl<T> Consumer<T> {
     }
 
     /// Waits for the next slot for at most `timeout`.
-    pub fn wait_for(&mut self, timeout: Duration) -> Look<T> {
+    pub fn wait_for(&mut self, timeout: Duration) -> Polled<T> {
         let begun = Instant::now();
         loop {
-            let found = self.look();
+            let found = self.poll();
             let left = timeout.saturating_sub(begun.elapsed());
-            if !matches!(found, Look::Empty) || left.is_zero() {
+            if !matches!(found, Polled::Empty) || left.is_zero() {
                 return found;
             }
             self.doze(left);
@@ -296,7 +296,7 @@ mod tests {
             let waits = scope.spawn(move || {
                 let begun = Instant::now();
                 // Never longer than that however often it is woken for nothing.
-                while matches!(consumer.look(), Look::Empty) && begun.elapsed() < timeout {
+                while matches!(consumer.poll(), Polled::Empty) && begun.elapsed() < timeout {
                     consumer.bell.wait(timeout, || consumer.filled.slots() == 0);
                 }
                 begun.elapsed()
@@ -316,7 +316,7 @@ mod tests {
         assert!(producer.reserve(1, &AtomicBool::new(false)).is_none());
         let (producer, mut consumer) = ring((0..2).map(|_| 0_u32));
         drop(producer);
-        assert!(matches!(consumer.look(), Look::Ended));
+        assert!(matches!(consumer.poll(), Polled::Ended));
     }
 
     #[test]

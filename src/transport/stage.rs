@@ -98,6 +98,11 @@ pub struct Due {
 }
 
 impl Due {
+    fn new(schedule: &Schedule, latency_s: f64, stop: &Arc<AtomicBool>) -> Self {
+        let latency = Duration::try_from_secs_f64(latency_s.max(0.0)).unwrap_or_default();
+        Self { schedule: schedule.clone(), begun: Instant::now(), stop: Arc::clone(stop), latency }
+    }
+
     /// When a pulse is to be released; policy `slip` is not foreseen.
     pub fn deadline(&self, index: u64) -> Instant {
         Schedule::after(self.begun, self.latency.saturating_add(self.schedule.offset(index)))
@@ -287,12 +292,8 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
     ) -> Outcome<R, G, S> {
         let Self { settings, schedule, layout, stop, status, view, sinks } = self;
         let (producer, consumer) = ring((0..settings.ring_slots).map(|_| Pulse::new(&layout)));
-        let mut outlets = Vec::with_capacity(sinks.len());
-        let mut bodies = Vec::with_capacity(sinks.len());
-        for (name, outlet, feed, body) in sinks {
-            outlets.push(outlet);
-            bodies.push((name, feed, body));
-        }
+        let (outlets, bodies): (Vec<_>, Vec<_>) =
+            sinks.into_iter().map(|(name, outlet, feed, body)| (outlet, (name, feed, body))).unzip();
         let health = Arc::new(Health::new(outlets.iter().map(Outlet::health).collect(), settings.ring_slots));
         if let Some(view) = &view {
             view.open(&health);
@@ -312,12 +313,7 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
             stop: Arc::clone(&stop),
             health: Arc::clone(&health),
             busy_since: Instant::now(),
-            due: Due {
-                schedule: schedule.clone(),
-                begun: Instant::now(),
-                stop: Arc::clone(&stop),
-                latency: Duration::try_from_secs_f64(settings.latency_s.max(0.0)).unwrap_or_default(),
-            },
+            due: Due::new(&schedule, settings.latency_s, &stop),
         };
         let pacer = Pacer {
             ring: consumer,

@@ -1,14 +1,14 @@
 //! Released pulses for an onlooker whom nobody waits for.
 //!
-//! A view gets a copy of every pulse that its queue has room for, in real time and at pace `fast`; the others it
-//! does not get, and [`Onlooker::not_shown`] counts them. It is no sink: nothing that it does, nor its end, is
-//! seen in the stream, and its losses are not the stream's.
+//! A view gets a copy of every pulse that its queue has room for, in real time and at pace `fast`; the others
+//! it does not get, and [`Onlooker::not_shown`] counts them. It is no sink: nothing that it does, nor its
+//! end, is seen in the stream, and its losses are not the stream's.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::health::Health;
-use super::ring::{self, Consumer, Look, Producer};
+use super::ring::{self, Consumer, Polled, Producer};
 use crate::pulse::{Layout, Pulse};
 
 /// The stream's end of a view.
@@ -73,17 +73,17 @@ impl View {
 }
 
 impl Onlooker {
-    /// Shows the oldest pulse that waits, if there is one, and says how many wait behind it. Does not wait: a stream
-    /// that finds nobody asleep need not wake anybody.
-    pub fn look(&mut self, show: impl FnOnce(&Pulse, usize)) -> Seen {
-        match self.queue.look() {
-            Look::Slot(pulse) => {
+    /// Shows the oldest pulse that waits, if there is one, and how many wait behind it. Does not wait: a
+    /// stream that finds nobody asleep need not wake anybody.
+    pub fn poll(&mut self, show: impl FnOnce(&Pulse, usize)) -> Seen {
+        match self.queue.poll() {
+            Polled::Slot(pulse) => {
                 show(&pulse, self.queue.filled());
                 self.queue.give_back(pulse);
                 Seen::Pulse
             }
-            Look::Empty => Seen::Nothing,
-            Look::Ended => Seen::Ended,
+            Polled::Empty => Seen::Nothing,
+            Polled::Ended => Seen::Ended,
         }
     }
 
@@ -112,7 +112,7 @@ mod tests {
             assert!(view.offer(&pulse));
         }
         let mut seen = Vec::new();
-        while onlooker.look(|pulse, waiting| seen.push((pulse.index, waiting))) == Seen::Pulse {}
+        while onlooker.poll(|pulse, waiting| seen.push((pulse.index, waiting))) == Seen::Pulse {}
         assert_eq!((seen, onlooker.not_shown()), (vec![(0, 1), (1, 0)], 3));
         drop(onlooker);
         assert!(!view.offer(&pulse));
@@ -122,9 +122,9 @@ mod tests {
     fn the_end_comes_after_the_last_pulse() {
         let layout = Layout { channels: 1, samples: 2, ..Layout::default() };
         let (mut view, mut onlooker) = view(2, &layout);
-        assert_eq!(onlooker.look(|_, _| {}), Seen::Nothing);
+        assert_eq!(onlooker.poll(|_, _| {}), Seen::Nothing);
         assert!(view.offer(&Pulse::new(&layout)));
         drop(view);
-        assert_eq!((onlooker.look(|_, _| {}), onlooker.look(|_, _| {})), (Seen::Pulse, Seen::Ended));
+        assert_eq!((onlooker.poll(|_, _| {}), onlooker.poll(|_, _| {})), (Seen::Pulse, Seen::Ended));
     }
 }

@@ -184,9 +184,9 @@ fn facets_that_forget_are_made_pulse_by_pulse() {
     assert!(error_db < -75.0);
 }
 
-/// Waves that travel keep the error that is asked, -60 dB, at all pulses of a run: in X and L band, wind along
-/// and across the line of sight and between (where both lines change), and from nearly above, where specular points
-/// turn by a phasor of their own.
+/// Waves that travel keep the error that is asked, -60 dB, at all pulses of a run: in X and L band, wind
+/// along and across the line of sight and between (where both lines change), and from nearly above, where
+/// specular points turn by a phasor of their own.
 #[test]
 fn travelling_waves_keep_the_error() {
     let above = [

@@ -1,5 +1,5 @@
-//! Breaking waves in the echo: the error that is predicted and the one that is measured, over all pulses; that a
-//! pulse depends on its number alone; and that off is as it was.
+//! Breaking waves in the echo: the error that is predicted and the one that is measured, over all pulses;
+//! that a pulse depends on its number alone; and that off is as it was.
 
 use crate::runs::{keeps_the_error, pulses, scene};
 

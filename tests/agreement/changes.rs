@@ -29,7 +29,7 @@ fn event(pulse: u64, platform: usize, text: &str) -> Event {
     Event { pulse, platform, change: text.parse().unwrap() }
 }
 
-/// Runs with changes that are asked for when so many pulses have been made; says what was taken.
+/// Runs with changes that are asked for when so many pulses have been made; returns what was taken.
 fn controlled(run: &Run, end: u64, platform: usize, asked: &[(u64, &str)]) -> (Vec<Pulse>, Vec<Event>) {
     let run = Run { control: true, ..run.clone() };
     let stream = build::stream(&run, 0..end).unwrap();

@@ -1,7 +1,7 @@
-//! Choppy waves in the echo: the error that is predicted and the one that is measured, over all pulses, and that a
-//! pulse depends on its number alone.
+//! Choppy waves in the echo: the error that is predicted and the one that is measured, over all pulses, and
+//! that a pulse depends on its number alone.
 
-use crate::runs::{keeps_the_error, pulses, scene};
+use crate::runs::{FOLLOWS, keeps_the_error, pulses, scene};
 
 const SEA: &str = "configs/sea.toml";
 /// Waves alone, far above the noise.
@@ -11,11 +11,6 @@ const ON: [(&str, &str); 5] = [
     ("scene.facet_m", "2"),
     ("transmitter.0.power_w", "1e9"),
     ("target.0.rcs_m2", "1e-9"),
-];
-/// The patch runs along with the aircraft.
-const FOLLOWS: [(&str, &str); 2] = [
-    ("scene.patch", "follow"),
-    ("scene.patch_follow", "{ kind = \"beside\", platform = \"aircraft\", across_m = 3000.0 }"),
 ];
 
 #[test]

@@ -97,7 +97,7 @@ fn targets_vanish_at_the_sum_of_the_two_horizons() {
 
 #[test]
 fn direct_path_is_cut_by_the_earth() {
-    let heard = |height_m: f64, horizon: &str| {
+    let echo_of = |height_m: f64, horizon: &str| {
         let up_m = height_m - 60e3 * 60e3 / (2.0 * RADIUS_M);
         let receiver = format!("{{ kind = \"fixed\", position_m = [60000, 0, {up_m:.6}] }}");
         let platforms = format!(
@@ -113,10 +113,10 @@ fn direct_path_is_cut_by_the_earth() {
         ];
         power(&paths(&dry(), &settings))
     };
-    assert_eq!(heard(10.0, "true"), 0.0);
-    assert!(heard(10.0, "false") > 0.0);
-    assert_eq!(heard(100.0, "true"), heard(100.0, "false"));
-    assert!(heard(100.0, "true") > 0.0);
+    assert_eq!(echo_of(10.0, "true"), 0.0);
+    assert!(echo_of(10.0, "false") > 0.0);
+    assert_eq!(echo_of(100.0, "true"), echo_of(100.0, "false"));
+    assert!(echo_of(100.0, "true") > 0.0);
 }
 
 #[test]

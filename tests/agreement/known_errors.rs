@@ -66,7 +66,7 @@ fn both_echoes_agree_within_the_budget() {
     assert!(db < -60.0, "{db}");
 }
 
-/// A mast that scattering epochs at a point 3 km away, and says that it stands elsewhere.
+/// A mast that looks at a point 3 km away, and reports another position than its own.
 fn misled(errors: &str) -> Pulse {
     let text = format!(
         r#"

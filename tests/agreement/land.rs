@@ -10,7 +10,7 @@ use nereus::pipeline::build;
 use nereus::pipeline::factory::factory_by;
 
 use crate::dem;
-use crate::runs::keeps_the_error;
+use crate::runs::{keeps_the_error, plan};
 
 const ISLAND: &str = include_str!("../data/scenarios/island.toml");
 pub const C_MPS: f64 = 299_792_458.0;
@@ -78,8 +78,8 @@ fn a_plateau_returns_what_the_radar_equation_asks() {
     };
     let found = [0, 1, 2].map(returned);
     println!("HH, VV, HV over the radar equation: {found:?} dB");
-    // The law's fall-off at a grazing angle of 8 degrees is 0.09 dB; an isotropic antenna mixes the two by the
-    // few degrees between its vertical and that of the path.
+    // The law's fall-off at a grazing angle of 8 degrees is 0.09 dB; an isotropic antenna mixes the two by
+    // the few degrees between its vertical and that of the path.
     for (found, expected) in found.into_iter().zip([1.0, 0.0, -7.0]) {
         assert!((found - expected).abs() < 0.2, "{found} {expected}");
     }
@@ -91,8 +91,8 @@ fn a_plateau_returns_what_the_radar_equation_asks() {
 
 #[test]
 fn a_ridge_hides_the_sea_behind_it() {
-    // A ridge across the line of sight, 15 m high and 12 m wide at the top, 40 m before the middle. From 300 m
-    // its shadow on the sea is 15/285 of the distance: 103 m.
+    // A ridge across the line of sight, 15 m high and 12 m wide at the top, 40 m before the middle. From 300
+    // m its shadow on the sea is 15/285 of the distance: 103 m.
     let ridge = |[x, _]: [f64; 2]| if (x - 1960.0).abs() < 8.0 { 15.0 } else { -1.0 };
     let calm = [AT_REST, FIXED, ("sea.wind_mps", "3.0"), ("scene.patch_size_m", "[256.0, 64.0]")];
     let run = scene(&calm, ridge);
@@ -182,4 +182,43 @@ fn nothing_breaks_on_land() {
     };
     assert_eq!(count("whitecaps", 20.0), count("off", 20.0));
     assert!(count("whitecaps", -20.0) > count("off", -20.0));
+}
+
+/// Something strong behind the hill, as the aircraft sees it.
+const IN_THE_LEE: &str = "[{ name = \"mast\", position_m = [2070.0, 5.0, 1.0], rcs_m2 = 1e6 }]";
+
+#[test]
+fn what_land_hides_is_not_in_the_predicted_error() {
+    let fast = [FIXED, ("fidelity.echo", "\"fast\""), ("fidelity.error_db", "-60.0")];
+    let with = |target| scene(&[&fast[..], &[("target", target)]].concat(), hill);
+    let (without, hidden) = (plan(&scene(&fast, hill)), plan(&with(IN_THE_LEE)));
+    let [without_db, hidden_db] = [without, hidden].map(|plan| plan.prediction.total_db());
+    println!("predicted without {without_db:.2} dB, with what is hidden {hidden_db:.2} dB");
+    assert!((hidden_db - without_db).abs() < 0.1);
+    keeps_the_error("in the lee", &with(IN_THE_LEE));
+    // On the edge of the shadow, which moves over it.
+    let edge = "[{ name = \"mast\", position_m = [2070.0, 60.0, 9.0], velocity_mps = [0.0, 30.0, 0.0], rcs_m2 = 1e4 }]";
+    keeps_the_error("at the edge", &with(edge));
+}
+
+#[test]
+fn land_hides_ships() {
+    let ship = "[{ name = 'tug', hull = 'wigley', beam_m = 5.0, draught_m = 2.0, length_m = 20.0, position_m = [2080.0, 0.0], speed_mps = 0.0, heading_deg = 40.0, \
+                wake = false, turbulent = false, echo = true, panel_m = 2.0 }]";
+    let power_w = |ship: &str, height_m: fn([f64; 2]) -> f64| {
+        let settings = [AT_REST, FIXED, ("sea.wind_mps", "3.0"), ("ship", ship)];
+        let paths = paths(&scene(&settings, height_m));
+        let delays_s = [2060.0f64, 2100.0].map(|x| 2.0 * x.hypot(300.0) / C_MPS);
+        let of = paths.delay_s[0].iter().zip(&paths.amplitude[0]);
+        let within = of.filter(|(delay_s, _)| (delays_s[0]..delays_s[1]).contains(*delay_s));
+        within.map(|(_, a)| a.norm_sqr()).sum::<f64>()
+    };
+    let open = |_: [f64; 2]| -1.0;
+    let [lit, sea, hidden, lee] =
+        [power_w(ship, open), power_w("[]", open), power_w(ship, hill), power_w("[]", hill)];
+    println!(
+        "on the open sea {lit:.2e} W, the sea alone {sea:.2e}; behind the hill {hidden:.3e} and {lee:.3e}"
+    );
+    // The sea about the ship is one draw of some hundred facets: the ship is to stand out of it, not by how much.
+    assert!(lit > 3.0 * sea && hidden <= lee * (1.0 + 1e-9));
 }

@@ -151,7 +151,8 @@ fn where_there_would_be_too_many_points_they_stand_for_more() {
     let paths = paths_at(0, &of, &[("radar.window.start_us", "18.0"), ("scene.duration_s", "0.05")]);
     let share = power_w(&paths, 0, [2750.0, 3650.0]) / expected_w([2750.0, 3650.0]);
     println!("{} points, {share:.4} of the expected", paths.len());
-    assert!(paths.len() > 8_000 && paths.len() < 16_384);
+    // Volumes double until there are few enough: no more than are allowed, nor far less.
+    assert!(paths.len() > 4_096 && paths.len() < 16_384);
     // Exponential gains squared at most: 2 in a hundred, three of them.
     assert!((share - 1.0).abs() < 0.06);
 }
@@ -163,8 +164,8 @@ fn uniform(n: u32, roots: [f64; 3]) -> [f64; 3] {
 
 #[test]
 fn both_ends_apart_see_a_dipole_in_a_shell() {
-    // Isotropic antennas 3 km apart: an integral over the space under the top, with the ports along horizontal
-    // vectors and what completes them.
+    // Isotropic antennas 3 km apart: an integral over the space under the top, with the ports along
+    // horizontal vectors and what completes them.
     let settings = [
         (
             "platform",
@@ -227,7 +228,8 @@ fn nothing_of_the_other_polarisation_comes_back() {
 
 #[test]
 fn velocities_are_those_of_wind_fall_and_turbulence() {
-    // A narrow beam: along it the fall, -3.8 Z^(1/14), by the sine of 20 degrees; without a sea there is no wind.
+    // A narrow beam: along it the fall, -3.8 Z^(1/14), by the sine of 20 degrees; without a sea there is no
+    // wind.
     let fall_mps = 3.8 * (200.0 * 10f64.powf(1.6)).powf(1.0 / 14.0);
     let narrow = [
         ("transmitter.0.antenna", "{ kind = \"rectangle\", width_m = 6.0, height_m = 6.0 }"),

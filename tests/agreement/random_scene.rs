@@ -120,28 +120,102 @@ const KINDS: [Kind; 5] = [
     },
 ];
 
+/// Writes a line of the file.
+macro_rules! line {
+    ($out:expr, $($arg:tt)*) => { writeln!($out, $($arg)*).unwrap() };
+}
+
+/// What is measured from where.
+struct Geometry {
+    kind: &'static Kind,
+    partner: &'static Kind,
+    bistatic: bool,
+    carrier_hz: f64,
+    facet_m: f64,
+    size_m: [f64; 2],
+    prf_hz: f64,
+    lasts_s: f64,
+    own: Flight,
+    other: Flight,
+}
+
+/// Waveform and receive window.
+struct Signal {
+    bandwidth_hz: f64,
+    rate_hz: f64,
+    pulse_s: f64,
+    opens_s: f64,
+    samples: u64,
+}
+
 /// The scenario of a seed.
 pub fn random_scene(seed: u64) -> RandomScene {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
-    let kind = &KINDS[(draw.0.next_u64() % KINDS.len() as u64) as usize];
-    // Some pairs of unlike platforms: a coast hears a boat, an aircraft a satellite.
-    let partner = match kind.name {
-        "coast" => &KINDS[3],
-        "aircraft" => &KINDS[if draw.chance(0.5) { 1 } else { 4 }],
-        "drone" => &KINDS[if draw.chance(0.7) { 0 } else { 2 }],
-        name => KINDS.iter().find(|other| other.name == name).unwrap(),
-    };
-    let bistatic = draw.chance(0.45);
-    let carrier_hz = draw.one(kind.carriers_hz);
-    let facet_m = draw.log(kind.facet_m[0], kind.facet_m[1]);
-    let facet_m = (facet_m * 100.0).round() / 100.0;
-    let facets = [0, 1].map(|_| draw.one(&[8, 12, 16, 16, 20, 24, 24, 32]));
-    let size_m = facets.map(|n| f64::from(n) * facet_m);
-    let prf_hz = draw.log(kind.prf_hz[0], kind.prf_hz[1]).round();
-    let pulses = draw.0.random_range(20..=80);
-    let lasts_s = (f64::from(pulses) - 0.5) / prf_hz;
+    let geometry = Geometry::drawn(&mut draw);
+    let signal = Signal::drawn(&mut draw, &geometry);
+    let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
+    let family = geometry.kind.name;
+    let partner = if geometry.bistatic { format!(" and {}", geometry.partner.name) } else { String::new() };
+    let mut text = format!("# Random scene {seed}: {family}{partner}.\n");
+    scene(&mut draw, &geometry, &mut text);
+    sea(&mut draw, &mut text);
+    on_the_sea(&mut draw, &geometry, &mut text);
+    radar(&mut draw, &geometry, &signal, &mut text);
+    platforms(&mut draw, &geometry, &mut text);
+    antennas(&mut draw, &geometry, &mut text);
+    line!(text, "[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
+    line!(text, "[stream]\npace = \"fast\"\nthreads = 1");
+    RandomScene { family, asked_db, text }
+}
 
-    let flight = |draw: &mut Draw, kind: &Kind| {
+impl Geometry {
+    fn drawn(draw: &mut Draw) -> Self {
+        let kind = &KINDS[(draw.0.next_u64() % KINDS.len() as u64) as usize];
+        // Some pairs of unlike platforms: a coast receives a boat, an aircraft a satellite.
+        let partner = match kind.name {
+            "coast" => &KINDS[3],
+            "aircraft" => &KINDS[if draw.chance(0.5) { 1 } else { 4 }],
+            "drone" => &KINDS[if draw.chance(0.7) { 0 } else { 2 }],
+            name => KINDS.iter().find(|other| other.name == name).unwrap(),
+        };
+        let bistatic = draw.chance(0.45);
+        let carrier_hz = draw.one(kind.carriers_hz);
+        let facet_m = draw.log(kind.facet_m[0], kind.facet_m[1]);
+        let facet_m = (facet_m * 100.0).round() / 100.0;
+        let facets = [0, 1].map(|_| draw.one(&[8, 12, 16, 16, 20, 24, 24, 32]));
+        let size_m = facets.map(|n| f64::from(n) * facet_m);
+        let prf_hz = draw.log(kind.prf_hz[0], kind.prf_hz[1]).round();
+        let pulses = draw.0.random_range(20..=80);
+        let lasts_s = (f64::from(pulses) - 0.5) / prf_hz;
+        let own = Flight::drawn(draw, kind, lasts_s);
+        let other = if bistatic { Flight::drawn(draw, partner, lasts_s) } else { own };
+        Self { kind, partner, bistatic, carrier_hz, facet_m, size_m, prf_hz, lasts_s, own, other }
+    }
+
+    /// Least and greatest delay of the corners and the middle at both ends and in the middle of the run, with
+    /// room for waves, s.
+    fn delays_s(&self) -> [f64; 2] {
+        let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5], [0.0, 0.0]];
+        let (mut nearest_s, mut farthest_s) = (f64::INFINITY, 0.0f64);
+        for t_s in [0.0, 0.5 * self.lasts_s, self.lasts_s] {
+            for corner in corners {
+                let leg = |flight: &Flight| {
+                    let place = [corner[0] * self.size_m[0], corner[1] * self.size_m[1], 0.0];
+                    let d = [0, 1, 2].map(|i| flight.position_m[i] + flight.velocity_mps[i] * t_s - place[i]);
+                    d.iter().map(|x| x * x).sum::<f64>().sqrt()
+                };
+                let delay_s = (leg(&self.own) + leg(&self.other)) / LIGHT_MPS;
+                (nearest_s, farthest_s) = (nearest_s.min(delay_s), farthest_s.max(delay_s));
+            }
+        }
+        let waves_s = (6.0f64).min(0.3 * self.own.position_m[2]) / LIGHT_MPS;
+        [(nearest_s - waves_s).max(0.0), farthest_s + waves_s]
+    }
+}
+
+impl Flight {
+    /// Abreast of the patch about the middle of the run.
+    fn drawn(draw: &mut Draw, kind: &Kind, lasts_s: f64) -> Self {
         let height_m = draw.log(kind.height_m[0], kind.height_m[1]);
         let away_m = height_m * draw.log(kind.away[0], kind.away[1]);
         let (bearing, speed_mps) = (draw.angle(), draw.between(kind.speed_mps[0], kind.speed_mps[1]));
@@ -152,69 +226,53 @@ pub fn random_scene(seed: u64) -> RandomScene {
         } else {
             [speed_mps * course.cos(), speed_mps * course.sin(), climb_mps]
         };
-        // Abreast of the patch about the middle of the run.
         let back_s = 0.5 * lasts_s;
         let at = [away_m * bearing.cos(), away_m * bearing.sin(), height_m];
-        Flight { position_m: [0, 1, 2].map(|i| at[i] - velocity_mps[i] * back_s), velocity_mps }
-    };
-    let own = flight(&mut draw, kind);
-    let other = if bistatic { flight(&mut draw, partner) } else { own };
-
-    // Echoes of the corners at both ends of the run, with room for waves.
-    let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5], [0.0, 0.0]];
-    let (mut nearest_s, mut farthest_s) = (f64::INFINITY, 0.0f64);
-    for t_s in [0.0, 0.5 * lasts_s, lasts_s] {
-        for corner in corners {
-            let leg = |flight: &Flight| {
-                let place = [corner[0] * size_m[0], corner[1] * size_m[1], 0.0];
-                let d = [0, 1, 2].map(|i| flight.position_m[i] + flight.velocity_mps[i] * t_s - place[i]);
-                d.iter().map(|x| x * x).sum::<f64>().sqrt()
-            };
-            let delay_s = (leg(&own) + leg(&other)) / LIGHT_MPS;
-            (nearest_s, farthest_s) = (nearest_s.min(delay_s), farthest_s.max(delay_s));
-        }
+        Self { position_m: [0, 1, 2].map(|i| at[i] - velocity_mps[i] * back_s), velocity_mps }
     }
-    let waves_s = (6.0f64).min(0.3 * own.position_m[2]) / LIGHT_MPS;
-    let (nearest_s, farthest_s) = ((nearest_s - waves_s).max(0.0), farthest_s + waves_s);
-    let span_s = farthest_s - nearest_s;
-    // A few to some tens of cells over the patch, and a window that is not too long.
-    let cells = draw.log(3.0, 60.0);
-    let bandwidth_hz = (cells / (size_m[0].max(size_m[1]) / LIGHT_MPS)).clamp(2e6, 400e6);
-    let rate_hz = (bandwidth_hz * draw.between(1.15, 2.0)).min(1500.0 / span_s).max(1.1 * bandwidth_hz);
-    let pulse_s = draw
-        .log(kind.pulse_s[0], kind.pulse_s[1])
-        .max(4.0 / bandwidth_hz)
-        .min(0.3 / prf_hz)
-        .min(3000.0 / rate_hz);
-    let whole = draw.chance(0.85);
-    let samples = (((if whole { span_s } else { 0.5 * span_s }) + pulse_s) * rate_hz).ceil() as u64 + 8;
+}
 
-    let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
-    let mut text = String::new();
-    let out = &mut text;
-    let put = |out: &mut String, line: std::fmt::Arguments<'_>| writeln!(out, "{line}").unwrap();
-    macro_rules! line { ($($arg:tt)*) => { put(out, format_args!($($arg)*)) } }
+impl Signal {
+    /// A few to some tens of cells over the patch, and a window that is not too long.
+    fn drawn(draw: &mut Draw, geometry: &Geometry) -> Self {
+        let [nearest_s, farthest_s] = geometry.delays_s();
+        let span_s = farthest_s - nearest_s;
+        let cells = draw.log(3.0, 60.0);
+        let longer_m = geometry.size_m[0].max(geometry.size_m[1]);
+        let bandwidth_hz = (cells / (longer_m / LIGHT_MPS)).clamp(2e6, 400e6);
+        let rate_hz = (bandwidth_hz * draw.between(1.15, 2.0)).min(1500.0 / span_s).max(1.1 * bandwidth_hz);
+        let [shortest_s, longest_s] = geometry.kind.pulse_s;
+        let pulse_s = draw
+            .log(shortest_s, longest_s)
+            .max(4.0 / bandwidth_hz)
+            .min(0.3 / geometry.prf_hz)
+            .min(3000.0 / rate_hz);
+        let whole = draw.chance(0.85);
+        let samples = (((if whole { span_s } else { 0.5 * span_s }) + pulse_s) * rate_hz).ceil() as u64 + 8;
+        Self { bandwidth_hz, rate_hz, pulse_s, opens_s: nearest_s, samples }
+    }
+}
 
-    line!(
-        "# Random scene {seed}: {}{}.",
-        kind.name,
-        if bistatic { format!(" and {}", partner.name) } else { String::new() }
-    );
-    line!("[scene]\nduration_s = {lasts_s:?}\nseed = {}\nearth = \"flat\"", draw.0.next_u64() >> 40);
-    line!("patch_size_m = {size_m:?}\nfacet_m = {facet_m:?}");
-    let follows = own.velocity_mps != [0.0; 3] && draw.chance(0.15);
-    if follows {
-        let speed = own.velocity_mps.map(|v| v);
-        line!("patch = \"follow\"");
+fn scene(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
+    let Geometry { lasts_s, size_m, facet_m, own, .. } = geometry;
+    line!(out, "[scene]\nduration_s = {lasts_s:?}\nseed = {}\nearth = \"flat\"", draw.0.next_u64() >> 40);
+    line!(out, "patch_size_m = {size_m:?}\nfacet_m = {facet_m:?}");
+    if own.velocity_mps != [0.0; 3] && draw.chance(0.15) {
+        let [x, y, _] = own.velocity_mps;
+        line!(out, "patch = \"follow\"");
         line!(
-            "patch_follow = {{ kind = \"point\", position_m = [0.0, 0.0, 0.0], velocity_mps = [{:?}, {:?}, 0.0] }}",
-            speed[0],
-            speed[1]
+            out,
+            "patch_follow = {{ kind = \"point\", position_m = [0.0, 0.0, 0.0], velocity_mps = [{x:?}, {y:?}, 0.0] }}"
         );
     }
-    sea(&mut draw, out);
+}
+
+/// Swell, a slick, a ship, a target.
+fn on_the_sea(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
+    let size_m = geometry.size_m;
     if draw.chance(0.3) {
         line!(
+            out,
             "[[swell]]\nsignificant_height_m = {:?}\npeak_period_s = {:?}\nfrom_deg = {:?}",
             draw.between(0.2, 2.5),
             draw.between(4.0, 12.0),
@@ -223,6 +281,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
     }
     if draw.chance(0.12) {
         line!(
+            out,
             "[[slick]]\ncentre_m = [0.0, 0.0]\nhalf_axes_m = [{:?}, {:?}]",
             0.3 * size_m[0],
             0.2 * size_m[1]
@@ -231,6 +290,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
     if draw.chance(0.12) {
         let length_m = draw.log(4.0, 60.0).min(size_m[0]);
         line!(
+            out,
             "[[ship]]\nhull = \"wigley\"\nlength_m = {length_m:?}\nbeam_m = {:?}\ndraught_m = {:?}\nposition_m = [{:?}, {:?}]\nheading_deg = {:?}\nspeed_mps = {:?}",
             0.13 * length_m,
             0.05 * length_m,
@@ -242,6 +302,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
     }
     if draw.chance(0.2) {
         line!(
+            out,
             "[[target]]\nposition_m = [{:?}, {:?}, {:?}]\nvelocity_mps = [{:?}, 0.0, 0.0]\nrcs_dbsm = {:?}",
             draw.between(-0.4, 0.4) * size_m[0],
             draw.between(-0.4, 0.4) * size_m[1],
@@ -250,7 +311,12 @@ pub fn random_scene(seed: u64) -> RandomScene {
             draw.between(-30.0, 20.0)
         );
     }
-    line!("[radar]\ncarrier_hz = {carrier_hz:?}\nsample_rate_hz = {rate_hz:?}\nprf_hz = {prf_hz:?}");
+}
+
+fn radar(draw: &mut Draw, geometry: &Geometry, signal: &Signal, out: &mut String) {
+    let Geometry { carrier_hz, prf_hz, bistatic, .. } = geometry;
+    let Signal { bandwidth_hz, rate_hz, pulse_s, opens_s, samples } = signal;
+    line!(out, "[radar]\ncarrier_hz = {carrier_hz:?}\nsample_rate_hz = {rate_hz:?}\nprf_hz = {prf_hz:?}");
     let channels = draw.one(&[
         "[\"HH\"]",
         "[\"VV\"]",
@@ -260,36 +326,46 @@ pub fn random_scene(seed: u64) -> RandomScene {
         "[\"HH\", \"HV\", \"VV\"]",
         "[\"RR\", \"RL\"]",
     ]);
-    line!("channels = {channels}");
-    if bistatic && draw.chance(0.1) {
-        line!("direct_path = true");
+    line!(out, "channels = {channels}");
+    if *bistatic && draw.chance(0.1) {
+        line!(out, "direct_path = true");
     }
     let sweep = draw.one(&["up", "down"]);
     line!(
+        out,
         "[radar.waveform]\nkind = \"lfm\"\nbandwidth_hz = {bandwidth_hz:?}\npulse_s = {pulse_s:?}\nsweep = \"{sweep}\""
     );
-    line!("[radar.window]\nsamples = {samples}\nstart_us = {:?}", 1e6 * nearest_s);
-    for (n, flight) in [own, other].iter().enumerate().take(if bistatic { 2 } else { 1 }) {
-        line!("[[platform]]\nname = \"p{n}\"");
+    line!(out, "[radar.window]\nsamples = {samples}\nstart_us = {:?}", 1e6 * opens_s);
+}
+
+fn platforms(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
+    let flights = [geometry.own, geometry.other];
+    for (n, flight) in flights.iter().enumerate().take(if geometry.bistatic { 2 } else { 1 }) {
+        line!(out, "[[platform]]\nname = \"p{n}\"");
         if flight.velocity_mps == [0.0; 3] {
-            line!("track = {{ kind = \"fixed\", position_m = {:?} }}", flight.position_m);
-        } else {
-            line!(
-                "track = {{ kind = \"straight\", position_m = {:?}, velocity_mps = {:?} }}",
-                flight.position_m,
-                flight.velocity_mps
-            );
-            if draw.chance(0.12) {
-                line!("errors = {{ preset = \"{}\" }}", draw.one(&["sps", "rtk", "tactical", "navigation"]));
-            }
-            if kind.name == "aircraft" && flight.position_m[2] < 1e4 && draw.chance(0.2) {
-                line!("turbulence = {{ level = \"{}\" }}", draw.one(&["light", "moderate"]));
-            }
+            line!(out, "track = {{ kind = \"fixed\", position_m = {:?} }}", flight.position_m);
+            continue;
+        }
+        line!(
+            out,
+            "track = {{ kind = \"straight\", position_m = {:?}, velocity_mps = {:?} }}",
+            flight.position_m,
+            flight.velocity_mps
+        );
+        if draw.chance(0.12) {
+            line!(out, "errors = {{ preset = \"{}\" }}", draw.one(&["sps", "rtk", "tactical", "navigation"]));
+        }
+        if geometry.kind.name == "aircraft" && flight.position_m[2] < 1e4 && draw.chance(0.2) {
+            line!(out, "turbulence = {{ level = \"{}\" }}", draw.one(&["light", "moderate"]));
         }
     }
-    let wavelength_m = LIGHT_MPS / carrier_hz;
+}
+
+fn antennas(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
+    let Geometry { size_m, own, other, .. } = geometry;
+    let wavelength_m = LIGHT_MPS / geometry.carrier_hz;
     for (n, role) in ["transmitter", "receiver"].into_iter().enumerate() {
-        let platform = if bistatic { n } else { 0 };
+        let platform = if geometry.bistatic { n } else { 0 };
         let flight = if n == 0 { own } else { other };
         let range_m = flight.position_m.iter().map(|x| x * x).sum::<f64>().sqrt();
         let size = size_m[0].max(size_m[1]);
@@ -303,23 +379,20 @@ pub fn random_scene(seed: u64) -> RandomScene {
             3..=4 => format!("{{ kind = \"ellipse\", width_m = {width_m:?}, height_m = {height_m:?} }}"),
             _ => format!("{{ kind = \"rectangle\", width_m = {width_m:?}, height_m = {height_m:?} }}"),
         };
-        line!("[[{role}]]\nname = \"a{n}\"\nplatform = \"p{platform}\"");
+        line!(out, "[[{role}]]\nname = \"a{n}\"\nplatform = \"p{platform}\"");
         if n == 0 {
-            line!("power_w = 10.0");
+            line!(out, "power_w = 10.0");
         }
         if draw.chance(0.15) {
-            line!("lever_arm_m = [{:?}, {:?}, 0.5]", draw.between(-2.0, 2.0), draw.between(-1.0, 1.0));
+            line!(out, "lever_arm_m = [{:?}, {:?}, 0.5]", draw.between(-2.0, 2.0), draw.between(-1.0, 1.0));
         }
         if draw.chance(0.15) {
-            line!("cross_pol_isolation_db = {:?}", draw.between(20.0, 40.0));
+            line!(out, "cross_pol_isolation_db = {:?}", draw.between(20.0, 40.0));
         }
-        line!("antenna = {antenna}");
+        line!(out, "antenna = {antenna}");
         let off = [0, 1].map(|i| draw.between(-0.3, 0.3) * size_m[i]);
-        line!("pointing = {{ kind = \"at\", position_m = [{:?}, {:?}, 0.0] }}", off[0], off[1]);
+        line!(out, "pointing = {{ kind = \"at\", position_m = [{:?}, {:?}, 0.0] }}", off[0], off[1]);
     }
-    line!("[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
-    line!("[stream]\npace = \"fast\"\nthreads = 1");
-    RandomScene { family: kind.name, asked_db, text }
 }
 
 fn sea(draw: &mut Draw, out: &mut String) {

@@ -40,7 +40,8 @@ pub fn pulses(path: &str, settings: &[(&str, &str)], threads: &str, range: Range
     kept(build::stream(&run, range).unwrap())
 }
 
-/// Asserts that the fast echo of a run promises the error that is asked and keeps what it predicts, over all pulses.
+/// Asserts that the fast echo of a run promises the error that is asked and keeps what it predicts, over all
+/// pulses.
 pub fn keeps_the_error(what: &str, run: &Run) {
     let plan = plan(run);
     let judge = Judge::new(run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
@@ -50,3 +51,35 @@ pub fn keeps_the_error(what: &str, run: &Run) {
     assert!(plan.keeps(), "{what}: {predicted_db}");
     assert!(measured_db <= predicted_db, "{what}: {predicted_db} {measured_db}");
 }
+
+/// The errors asked of a scenario, what is predicted for them, and what is measured over all pulses, dB;
+/// asserts that every one is promised and kept as predicted.
+pub fn holds(path: &str, settings: &[(&str, &str)], asked: &[f64]) -> Vec<[f64; 3]> {
+    let with = |error_db: f64| {
+        let error_db = format!("{error_db:?}");
+        let fast = [("fidelity.echo", "\"fast\""), ("fidelity.error_db", &error_db)];
+        scene(path, &[settings, &fast].concat())
+    };
+    let run = with(-60.0);
+    let judge = Judge::new(&run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
+    let found = asked.iter().map(|&error_db| {
+        let run = with(error_db);
+        let plan = plan(&run);
+        let predicted_db = plan.prediction.total_db();
+        let measured_db = judge.judge(&run).unwrap().rel_rms_db;
+        println!(
+            "{path}: asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {:?}",
+            plan.prediction
+        );
+        assert!(plan.keeps(), "{path} {error_db}: {predicted_db}");
+        assert!(measured_db <= predicted_db, "{path} {error_db}: {predicted_db} {measured_db}");
+        [error_db, predicted_db, measured_db]
+    });
+    found.collect()
+}
+
+/// The patch of `configs/sea.toml` runs along with the aircraft.
+pub const FOLLOWS: [(&str, &str); 2] = [
+    ("scene.patch", "follow"),
+    ("scene.patch_follow", "{ kind = \"beside\", platform = \"aircraft\", across_m = 3000.0 }"),
+];

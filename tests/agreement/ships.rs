@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use crate::runs::pulses;
-use crate::varying_targets::holds;
+use crate::runs::{holds, pulses};
 
 const MARS: &str = "configs/mars-1.toml";
 /// The hull of MaRS, DTMB 5415, 40 m long and of some 2000 panels, on a small patch.

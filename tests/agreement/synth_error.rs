@@ -195,8 +195,8 @@ fn doppler_off_the_mean_costs_what_is_predicted() {
     }
 }
 
-/// Ka band from orbit, pointing ahead, and a jet with a long pulse: what the stretch of the envelope is to the
-/// reference.
+/// Ka band from orbit, pointing ahead, and a jet with a long pulse: what the stretch of the envelope is to
+/// the reference.
 fn stretched_patches() -> [(Patch, f64); 2] {
     let airborne = patches()[0].clone();
     let satellite = End { position_m: [-500e3, -120e3, 600e3], velocity_mps: [7500.0, 0.0, 0.0] };
@@ -238,7 +238,7 @@ fn stretched_envelopes_cost_nothing_and_rigid_ones_what_is_predicted() {
             let predicted = synth.predicted_error(&block).total_db();
             (error_db(&spectra(&synth, &block, 1, &[0])[0], &exact), predicted)
         };
-        // Of one scatterer path, which is all of the mean, the law tells it exactly; chirps of such products
+        // Of one scatterer path, which is all of the mean, the law gives it exactly; chirps of such products
         // lose little to the filter.
         let rate = patch.paths(1, 1, 1, 0).delay_rate[0][0];
         let (waveform, rate_hz) = (patch.waveform(), patch.rate_hz);

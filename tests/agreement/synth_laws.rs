@@ -127,20 +127,20 @@ fn a_contact_may_cross_the_whole_window_within_a_block() {
     let block = patch.fill(&synth, 64, at);
     let pulses: Vec<usize> = (0..64).collect();
     let reference = patch.reference(&[0]);
-    let mut heard = 0;
+    let mut within = 0;
     for (pulse, fast) in spectra(&synth, &block, 1, &pulses).iter().enumerate() {
         let mut exact = vec![Complex64::ZERO; reference.fft_len()];
         reference.spectrum(&at(pulse), patch.window_s(pulse), &mut exact);
         if exact.iter().all(|s| *s == Complex64::ZERO) {
             assert!(fast.iter().all(|s| *s == Complex64::ZERO), "pulse {pulse}");
         } else {
-            heard += 1;
+            within += 1;
             let db = error_db(fast, &exact);
             let allowed = synth.predicted_error(&block).total_db() + 3.02;
             assert!(db < allowed, "pulse {pulse}: {db} dB for {allowed}");
         }
     }
-    assert!((6..=12).contains(&heard), "{heard}");
+    assert!((6..=12).contains(&within), "{within}");
 }
 
 #[test]

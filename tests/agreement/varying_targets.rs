@@ -5,29 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use nereus::bench::accuracy::Judge;
-
-use crate::runs::{plan, pulses, scene};
-
-/// Every error asked is kept by every pulse, as predicted.
-pub fn holds(path: &str, settings: &[(&str, &str)], asked: &[f64]) {
-    let with = |error_db: f64| {
-        let error_db = format!("{error_db:?}");
-        let fast = [("fidelity.echo", "\"fast\""), ("fidelity.error_db", &error_db)];
-        scene(path, &[settings, &fast].concat())
-    };
-    let run = with(-60.0);
-    let judge = Judge::new(&run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
-    for &error_db in asked {
-        let run = with(error_db);
-        let plan = plan(&run);
-        let predicted_db = plan.prediction.total_db();
-        let measured_db = judge.judge(&run).unwrap().rel_rms_db;
-        println!("asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {plan:?}");
-        assert!(plan.keeps(), "{error_db}: {predicted_db}");
-        assert!(measured_db <= predicted_db, "{error_db}: {predicted_db} {measured_db}");
-    }
-}
+use crate::runs::{holds, pulses};
 
 const COASTAL: &str = "configs/coastal.toml";
 const CASES: [&[(&str, &str)]; 4] = [

@@ -27,7 +27,7 @@ fn number(report: &serde_json::Value, key: &str) -> f64 {
 }
 
 #[test]
-fn bench_tells_speed_memory_stages_and_error() {
+fn bench_reports_speed_memory_stages_and_error() {
     let folder = tempfile::tempdir().unwrap();
     let report = json(&small(folder.path(), "bench", &["--pulses", "60", "--json"]));
     // A buoy beside the facets.
@@ -71,8 +71,8 @@ fn bench_tells_speed_memory_stages_and_error() {
     assert!(fs::read_dir(folder.path()).unwrap().next().is_none(), "nothing is recorded");
 }
 
-/// Memory is what was predicted, from a fixed patch to one that follows and to a ship of many panels, and not far
-/// below.
+/// Memory is what was predicted, from a fixed patch to one that follows and to a ship of many panels, and not
+/// far below.
 #[test]
 fn memory_is_that_predicted() {
     if !cfg!(target_os = "linux") {
@@ -169,7 +169,7 @@ fn figures_that_cannot_be_measured_are_refused() {
 }
 
 #[test]
-fn tradeoff_sweeps_the_knobs_and_writes_table_and_picture() {
+fn tradeoff_sweeps_the_settings_and_writes_table_and_picture() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["--error-pulses", "4", "--out", "swept", "--json"];
     let ended = small(folder.path(), "tradeoff", &arguments);

@@ -43,9 +43,9 @@ impl Live {
     fn end(mut self) -> serde_json::Value {
         let mut text = String::new();
         self.child.stdout.take().unwrap().read_to_string(&mut text).unwrap();
-        let mut told = String::new();
-        self.child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
-        assert!(self.child.wait().unwrap().success(), "{told}");
+        let mut stderr = String::new();
+        self.child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+        assert!(self.child.wait().unwrap().success(), "{stderr}");
         assert!(!self.socket.exists(), "the socket is removed");
         serde_json::from_str(text.lines().last().unwrap()).unwrap()
     }
@@ -61,7 +61,7 @@ impl Client {
         self.stream.write_all(bytes).unwrap();
     }
 
-    fn hear(&mut self) -> String {
+    fn read_line(&mut self) -> String {
         let mut line = String::new();
         self.answers.read_line(&mut line).unwrap();
         line.trim_end().to_owned()
@@ -97,17 +97,18 @@ fn the_conversation_of_the_page_is_what_happens() {
     for pair in lines.chunks(2) {
         let [sent, wanted] = pair else { panic!("{pair:?}") };
         client.send(format!("{}\n", sent.strip_prefix("> ").unwrap()).as_bytes());
-        let heard = client.hear();
-        assert_eq!(unnumbered(&heard), wanted.strip_prefix("< ").unwrap(), "{sent}");
-        pulses.extend(heard.strip_prefix("ok pulse ").map(|rest| rest.split(' ').next().unwrap().to_owned()));
+        let answer = client.read_line();
+        assert_eq!(unnumbered(&answer), wanted.strip_prefix("< ").unwrap(), "{sent}");
+        pulses
+            .extend(answer.strip_prefix("ok pulse ").map(|rest| rest.split(' ').next().unwrap().to_owned()));
     }
     let report = live.end();
     assert_eq!(report["stopped"], true);
     let last = report["pulses"].as_u64().unwrap();
     let taken: Vec<_> = pulses.iter().map(|n| n.parse::<u64>().unwrap()).filter(|n| *n < last).collect();
-    let told: Vec<_> =
+    let changes: Vec<_> =
         report["changes"].as_array().unwrap().iter().map(|c| c["pulse"].as_u64().unwrap()).collect();
-    assert_eq!(told, taken);
+    assert_eq!(changes, taken);
     assert_eq!(pulses.len(), 6);
     // The scenario of the page is one.
     let toml = page.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
@@ -130,7 +131,7 @@ fn what_is_injected_is_recorded_and_can_be_repeated() {
     let mut client = running.client();
     loop {
         client.send(b"status\n");
-        let status = client.hear();
+        let status = client.read_line();
         if !status.starts_with("ok released 0 ") {
             break;
         }
@@ -195,55 +196,55 @@ fn garbage_and_crowds_do_no_harm() {
     let live = live(folder.path(), &["--set", "stream.policy=\"slip\""]);
     let mut client = live.client();
     client.send(&[0, 255, 254, 13, 10]);
-    assert!(client.hear().starts_with("error '"));
+    assert!(client.read_line().starts_with("error '"));
     client.send(b"\n");
-    assert_eq!(client.hear(), "error '': allowed: step, bias, ramp, dropout, latency, clear");
+    assert_eq!(client.read_line(), "error '': allowed: step, bias, ramp, dropout, latency, clear");
     // Longer than any line, then one that is none of it.
     client.send(&[b'x'; 100_000]);
     client.send(b"\nhelp\r\n");
-    assert_eq!(client.hear(), "error a line of more than 256 bytes: allowed: at most so many");
-    assert!(client.hear().starts_with("ok step AXIS"));
+    assert_eq!(client.read_line(), "error a line of more than 256 bytes: allowed: at most so many");
+    assert!(client.read_line().starts_with("ok step AXIS"));
     // One that goes with half a line, and one that never reads.
     live.client().send(b"step position");
     let mut deaf = live.client();
     deaf.stream.set_write_timeout(Some(Duration::from_millis(100))).unwrap();
     let flood = "help\n".repeat(20_000);
     let _ = deaf.stream.write_all(flood.as_bytes());
-    // A crowd: those for whom there is no room are reported. At most 16 may stay, and they hear nothing
+    // A crowd: those for whom there is no room are reported. At most 16 may stay, and they receive nothing
     // unasked.
     let mut crowd: Vec<Client> = (0..40).map(|_| live.client()).collect();
     thread::sleep(Duration::from_millis(500));
-    let hear = |one: &mut Client| {
+    let read_line = |one: &mut Client| {
         one.stream.set_read_timeout(Some(Duration::from_millis(50))).unwrap();
         let mut line = String::new();
         let _ = one.answers.read_line(&mut line);
         line
     };
-    let told: Vec<String> = crowd.iter_mut().map(hear).filter(|line| !line.is_empty()).collect();
-    assert!(told.len() >= 24, "{}", told.len());
-    assert!(told.iter().all(|line| line == "error 16 clients are connected: allowed: at most so many\n"));
+    let answers: Vec<String> = crowd.iter_mut().map(read_line).filter(|line| !line.is_empty()).collect();
+    assert!(answers.len() >= 24, "{}", answers.len());
+    assert!(answers.iter().all(|line| line == "error 16 clients are connected: allowed: at most so many\n"));
     client.send(b"stop\n");
-    assert_eq!(client.hear(), "ok stopping");
+    assert_eq!(client.read_line(), "ok stopping");
     assert_eq!(live.end()["stopped"], true);
 }
 
 #[test]
 fn sockets_that_cannot_be_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let told = |path: &str| {
+    let refusal = |path: &str| {
         let ended = nereus(folder.path(), &["run", &scenario(), "--out", "x.plain", "--control", path]);
         assert_eq!(ended.code, 2, "{}", ended.stderr);
         assert!(!folder.path().join("x.plain").exists());
         ended.stderr
     };
     fs::write(folder.path().join("file"), "mine").unwrap();
-    assert!(told("file").contains("exists and is no socket; allowed:"));
+    assert!(refusal("file").contains("exists and is no socket; allowed:"));
     assert_eq!(fs::read_to_string(folder.path().join("file")).unwrap(), "mine");
-    assert!(told(&"x".repeat(100)).contains("100 bytes; allowed: a path of 1 to 90 bytes"));
-    assert!(told("missing/run.sock").contains("No such file or directory"));
+    assert!(refusal(&"x".repeat(100)).contains("100 bytes; allowed: a path of 1 to 90 bytes"));
+    assert!(refusal("missing/run.sock").contains("No such file or directory"));
     // Another run is there: it keeps its socket. One that is dead is replaced.
     let listener = UnixListener::bind(folder.path().join("taken.sock")).unwrap();
-    assert!(told("taken.sock").contains("another run listens there"));
+    assert!(refusal("taken.sock").contains("another run listens there"));
     drop(listener);
     let ended = nereus(
         folder.path(),
@@ -273,14 +274,14 @@ fn lines_come_from_standard_input_too() {
     let run = ["run", &scenario(), "--control", "-", "--out", "x.plain", "--set", "stream.policy=\"slip\""];
     let mut child = command(folder.path(), &run).stdin(Stdio::piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(b"dropout 1 s on mast\nstop\n").unwrap();
-    let mut told = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
-    assert!(child.wait().unwrap().success(), "{told}");
-    assert!(told.contains("ok pulse ") && told.contains(" dropout 1 s on mast\nok stopping"), "{told}");
+    let mut stderr = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+    assert!(child.wait().unwrap().success(), "{stderr}");
+    assert!(stderr.contains("ok pulse ") && stderr.contains(" dropout 1 s on mast\nok stopping"), "{stderr}");
 }
 
 #[test]
-fn faults_of_events_are_told_together() {
+fn faults_of_events_are_reported_together() {
     let folder = tempfile::tempdir().unwrap();
     let text = fs::read_to_string(scenario()).unwrap()
         + r#"

@@ -141,7 +141,7 @@ fn a_stopped_run_leaves_a_whole_file() {
     assert!(direct == later, "{} and {} bytes", direct.len(), later.len());
 }
 
-/// Every refusal says why, ends with exit code 2, and leaves the folder as it was.
+/// Every refusal has its reason, ends with exit code 2, and leaves the folder as it was.
 #[test]
 fn bad_recordings_are_refused_and_leave_nothing() {
     let folder = recorded(&[]);

@@ -172,7 +172,7 @@ fn an_output_without_a_name_is_refused_before_the_run() {
 }
 
 #[test]
-fn verify_says_by_its_exit_what_it_found() {
+fn verify_exits_by_what_it_found() {
     let folder = tempfile::tempdir().unwrap();
     let config = scenario();
     assert_eq!(nereus(folder.path(), &run_of(&config, "10..40", "rec")).code, 0);

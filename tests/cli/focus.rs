@@ -160,7 +160,7 @@ fn channels_of_calibration_are_left_out_and_refused_by_name() {
 }
 
 #[test]
-fn an_image_lies_where_the_window_looks_by_latitude_and_longitude() {
+fn an_image_is_where_the_window_looks_by_latitude_and_longitude() {
     let folder = tempfile::tempdir().unwrap();
     let beside = "{ kind = \"beside\", platform = \"plane\", across_m = -3000.0, lead_us = 1.5 }";
     let there = "{ kind = \"at\", lat_deg = 52.001, lon_deg = 4.0005, lead_us = 1.5 }";
@@ -241,7 +241,7 @@ fn the_library_makes_the_images_of_the_command() {
     }
 }
 
-/// What the default middle of an image is, and what is said on standard error.
+/// What the default middle of an image is, and standard error.
 fn centred(folder: &std::path::Path, more: &[&str]) -> (i32, serde_json::Value, String) {
     let ended = nereus(folder, &[&["focus", "r.plain", "--size-m", "8", "--json"], more].concat());
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap_or_default();
@@ -272,7 +272,7 @@ fn a_scenario_that_cannot_be_read_is_a_warning() {
     assert!(text.contains("noise_figure_db"));
     let text = text.replace("noise_figure_db", "noise_number_db");
     fs::write(&meta, &text).unwrap();
-    // The recording itself says where the radar looks.
+    // The recording itself has where the radar looks.
     let (code, centre_m, stderr) = centred(folder.path(), &[]);
     assert_eq!((code, centre_m), (0, where_it_looks), "{stderr}");
     assert!(stderr.contains("radar.noise_number_db") && !stderr.contains("antennas count"), "{stderr}");

@@ -49,14 +49,15 @@ fn a_pipe_is_refused_by_every_command_that_reads() {
         let words: Vec<&str> = command.split(' ').collect();
         let ended = within(Duration::from_secs(20), folder.path(), &words);
         let ended = ended.unwrap_or_else(|| panic!("nereus {command} waits for ever"));
-        // `verify` reports what is wrong with a recording, and `merge` that it cannot be read; both end with 1.
+        // `verify` reports what is wrong with a recording, and `merge` that it cannot be read; both end with
+        // 1.
         let is_recording = ["verify", "merge"].iter().any(|word| command.starts_with(word));
         let expected = if is_recording && cfg!(feature = "hdf5") { 1 } else { 2 };
         assert_eq!(ended.code, expected, "nereus {command}: {}{}", ended.stdout, ended.stderr);
         assert!(!ended.stderr.contains("panicked"), "nereus {command}: {}", ended.stderr);
-        let said = format!("{}{}", ended.stdout, ended.stderr);
+        let output = format!("{}{}", ended.stdout, ended.stderr);
         let words = ["is a pipe or a device; allowed: a regular file", "is no regular file; recordings are"];
-        assert!(words.iter().any(|words| said.contains(words)), "nereus {command}: {said}");
+        assert!(words.iter().any(|words| output.contains(words)), "nereus {command}: {output}");
     }
 }
 
@@ -90,24 +91,24 @@ fn names_stay_on_their_line() {
     let run: Vec<&str> = ["run", config.as_str()].into_iter().chain(plain).collect();
     assert_eq!(nereus(folder.path(), &run).code, 0);
     let meta = folder.path().join("rec/meta.json");
-    let mut told: serde_json::Value = serde_json::from_slice(&std::fs::read(&meta).unwrap()).unwrap();
-    told["channel"][0]["name"] = "HH\nforged.h5: whole; 5 pulses".into();
+    let mut description: serde_json::Value = serde_json::from_slice(&std::fs::read(&meta).unwrap()).unwrap();
+    description["channel"][0]["name"] = "HH\nforged.h5: whole; 5 pulses".into();
     // It names the antennas, too, and must agree; a recording of an earlier version has none.
-    told["instrument"] = serde_json::Value::Null;
+    description["instrument"] = serde_json::Value::Null;
     // Its columns have no file of that name, which `verify` reports.
-    let antenna = told["transmitters"][0].as_str().unwrap().to_owned();
-    let text = told.to_string().replace(&format!("nav/{antenna}/"), "nav/a\\nforged.h5: whole/");
-    let mut told: serde_json::Value = serde_json::from_str(&text).unwrap();
-    told["transmitters"][0] = "a\nforged.h5: whole".into();
-    std::fs::write(&meta, told.to_string()).unwrap();
+    let antenna = description["transmitters"][0].as_str().unwrap().to_owned();
+    let text = description.to_string().replace(&format!("nav/{antenna}/"), "nav/a\\nforged.h5: whole/");
+    let mut description: serde_json::Value = serde_json::from_str(&text).unwrap();
+    description["transmitters"][0] = "a\nforged.h5: whole".into();
+    std::fs::write(&meta, description.to_string()).unwrap();
     std::fs::rename(folder.path().join("rec"), folder.path().join("rec\nforged.h5: whole")).unwrap();
     let name = "rec\nforged.h5: whole";
     for words in [vec!["verify", name], vec!["focus", name, "--channel", "none", "--out", "p.png"]] {
         let ended = nereus(folder.path(), &words);
         assert_ne!(ended.code, 0);
-        let said = format!("{}{}", ended.stdout, ended.stderr);
-        assert!(said.contains("\\u{a}forged.h5"), "{said}");
-        assert!(!said.lines().any(|line| line.starts_with("forged")), "{said}");
+        let output = format!("{}{}", ended.stdout, ended.stderr);
+        assert!(output.contains("\\u{a}forged.h5"), "{output}");
+        assert!(!output.lines().any(|line| line.starts_with("forged")), "{output}");
     }
 }
 

@@ -172,7 +172,7 @@ fn the_manual_is_printed() {
     assert_eq!(printed, fs::read_to_string(package().join("docs/scenario.md")).unwrap());
 }
 
-/// Offsets of clocks are said in nanoseconds, a rate of zero as 0; without clocks they are ideal.
+/// Offsets of clocks are printed in nanoseconds, a rate of zero as 0; without clocks they are ideal.
 #[test]
 fn check_states_the_clocks() {
     let ended = nereus(package(), &["check", "configs/errors.toml"]);

@@ -28,7 +28,7 @@ fn begin() -> TimeTag {
 }
 
 /// A flight that turns, climbs and rolls.
-fn said(epoch: u32) -> Solution {
+fn solution_at(epoch: u32) -> Solution {
     let t = f64::from(epoch) / RATE_HZ;
     let turn = 0.2 * t;
     Solution {
@@ -44,7 +44,7 @@ fn said(epoch: u32) -> Solution {
 /// The messages of an epoch.
 fn messages(format: &Format, epoch: u32) -> Vec<u8> {
     let mut out = Vec::new();
-    format.write(&said(epoch), &mut out).unwrap();
+    format.write(&solution_at(epoch), &mut out).unwrap();
     out
 }
 
@@ -90,8 +90,8 @@ fn report(child: Child) -> serde_json::Value {
     serde_json::from_str(String::from_utf8_lossy(&output.stdout).lines().last().unwrap()).unwrap()
 }
 
-/// Sends epochs at their times until the run has ended, but for those that `lost` says; something else before
-/// each.
+/// Sends epochs at their times until the run has ended, but for those that `lost` selects; something else
+/// before each.
 fn fly(
     to: &mut impl Write,
     child: &mut Child,
@@ -206,7 +206,7 @@ fn what_comes_too_late_is_extrapolated_and_flagged() {
 }
 
 #[test]
-fn what_cannot_be_flown_live_is_refused() {
+fn what_cannot_run_live_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (_master, _slave, port) = terminal();
     let config = scenario(folder.path(), &live(&port, ", timeout_s = 0.3"));
@@ -216,11 +216,11 @@ fn what_cannot_be_flown_live_is_refused() {
         assert!(!folder.path().join("out").exists());
         ended.stderr
     };
-    let said = refused(&["--set", "stream.policy=slip"]);
-    assert!(said.contains("live") && said.contains("slip"), "{said}");
-    let said = refused(&["--pace", "fast"]);
-    assert!(said.contains("live navigation goes on in real time") && said.contains("fast"), "{said}");
+    let stderr = refused(&["--set", "stream.policy=slip"]);
+    assert!(stderr.contains("live") && stderr.contains("slip"), "{stderr}");
+    let stderr = refused(&["--pace", "fast"]);
+    assert!(stderr.contains("live navigation goes on in real time") && stderr.contains("fast"), "{stderr}");
     // Nobody speaks.
-    let said = refused(&[]);
-    assert!(said.contains("no navigation from") && said.contains("within 0.3 s"), "{said}");
+    let stderr = refused(&[]);
+    assert!(stderr.contains("no navigation from") && stderr.contains("within 0.3 s"), "{stderr}");
 }

@@ -169,8 +169,8 @@ fn a_browser_sees_the_run() {
     assert_eq!(browser.closed(), 1000);
 }
 
-/// What is asked from the page is a change like any other: with the pulse from which it acts, in the errors shown
-/// and in the report. Without leave nothing is changed.
+/// What is asked from the page is a change like any other: with the pulse from which it acts, in the errors
+/// shown and in the report. Without leave nothing is changed.
 #[test]
 fn a_change_from_the_page_is_seen_and_logged() {
     let with = shown(&["--monitor-control"]);
@@ -203,13 +203,13 @@ fn a_change_from_the_page_is_seen_and_logged() {
         let text = other.json("answer")["text"].as_str().unwrap().to_owned();
         assert!(text.starts_with("ok pulse ") && text.ends_with(" clear on mast"), "{text}");
     }
-    let told = browser.until(|message| match message {
+    let status = browser.until(|message| match message {
         Message::Json(value) if value["misreported"].as_array().is_some_and(|all| !all.is_empty()) => {
             Some(value.clone())
         }
         _ => None,
     });
-    let one = &told["misreported"][0];
+    let one = &status["misreported"][0];
     assert_eq!((&one["platform"], &one["quantity"]), (&"aircraft".into(), &"position".into()));
     assert_eq!((&one["direction"], one["since_pulse"].as_u64()), (&"too high".into(), Some(pulse)));
     // Each point: pulse, time, 16 values a platform; 6 to 8 are the error of position.
@@ -245,8 +245,8 @@ fn resident(id: u32) -> u64 {
     line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap() << 10
 }
 
-/// Slow headers, huge headers and frames, floods, a thousand connections, a browser that stops reading: each is
-/// refused or left, the run goes on, and who comes next is served.
+/// Slow headers, huge headers and frames, floods, a thousand connections, a browser that stops reading: each
+/// is refused or left, the run goes on, and who comes next is served.
 #[test]
 #[cfg(target_os = "linux")]
 fn hostile_clients_do_no_harm() {
@@ -332,7 +332,7 @@ fn hostile_clients_do_no_harm() {
     assert_eq!(report["changes"].as_array().map(Vec::len), Some(0));
 }
 
-/// More browsers than there may be are told so.
+/// More browsers than are allowed get an error.
 #[test]
 fn no_more_browsers_than_there_may_be() {
     let shown = shown(&[]);
@@ -471,15 +471,15 @@ fn a_recording_is_shown_as_a_run_is() {
             _ => None,
         });
         assert!(line > -120.0, "{line}");
-        let told = browser.until(|message| match message {
+        let status = browser.until(|message| match message {
             Message::Json(value) if value["misreported"].as_array().is_some_and(|all| !all.is_empty()) => {
                 Some(value.clone())
             }
             _ => None,
         });
-        let one = &told["misreported"][0];
+        let one = &status["misreported"][0];
         assert_eq!((&one["direction"], one["since_pulse"].as_u64()), (&"too far south".into(), Some(30)));
-        assert_eq!(told["changes"][0]["source"], "scenario");
+        assert_eq!(status["changes"][0]["source"], "scenario");
         while browser.json("status")["released"].as_u64().unwrap() < 80 {}
         // The page stays when the recording has ended.
         thread::sleep(Duration::from_millis(200));

@@ -1,5 +1,5 @@
-//! A run with its page, and a browser's side of HTTP and of WebSocket (RFC 6455), as far as the tests of the page need
-//! them.
+//! A run with its page, and a browser's side of HTTP and of WebSocket (RFC 6455), as far as the tests of the
+//! page need them.
 
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -63,7 +63,7 @@ impl Drop for Shown {
     }
 }
 
-/// Where a program says that its page is.
+/// The address of its page that a program prints.
 pub fn served(folder: tempfile::TempDir, mut child: Child) -> Shown {
     let mut lines = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();

@@ -23,7 +23,7 @@ fn behind_the_name(text: &str) -> &str {
 }
 
 #[test]
-fn inspect_tells_what_is_there() {
+fn inspect_reports_what_is_there() {
     let folder = tempfile::tempdir().unwrap();
     let text = run(folder.path(), &["nav", "inspect", &cart()]);
     let (text, block) = text.trim_end().rsplit_once('\n').unwrap();
@@ -69,7 +69,7 @@ fn inspect_tells_what_is_there() {
     let strait = package().join("configs/tracks/strait_of_dover.csv").display().to_string();
     let text = run(folder.path(), &["nav", "inspect", &strait]);
     assert!(text.contains("\ncontains  no velocities, attitudes or standard deviations\n"), "{text}");
-    // A log without any date has counts, and says why it has no track.
+    // A log without any date has counts, and the reason why it has no track.
     let plaka = package().join("tests/data/nav/plaka_700.nmea").display().to_string();
     let text = run(folder.path(), &["nav", "inspect", &plaka]);
     assert!(text.contains("no date") && text.contains("219 good"), "{text}");
@@ -133,7 +133,7 @@ fn convert_goes_around() {
     assert_eq!(again.code, 2);
     assert!(again.stderr.contains("exists already"), "{}", again.stderr);
     let odd = nereus(folder, &["nav", "convert", &cart(), "a.what"]);
-    assert!(odd.code == 2 && odd.stderr.contains("says no format"), "{}", odd.stderr);
+    assert!(odd.code == 2 && odd.stderr.contains("gives no format"), "{}", odd.stderr);
     let flight = package().join("configs/tracks/strait_of_dover.csv").display().to_string();
     let refused = nereus(folder, &["nav", "convert", &flight, "x.inspvax"]);
     assert!(
@@ -142,8 +142,12 @@ fn convert_goes_around() {
         refused.stderr
     );
     assert!(!folder.join("x.inspvax").exists());
-    let told = nereus(folder, &["nav", "convert", &flight, "x.nmea"]);
-    assert!(told.code == 0 && told.stderr.contains("velocities of 877 fixes derived"), "{}", told.stderr);
+    let epochs = nereus(folder, &["nav", "convert", &flight, "x.nmea"]);
+    assert!(
+        epochs.code == 0 && epochs.stderr.contains("velocities of 877 fixes derived"),
+        "{}",
+        epochs.stderr
+    );
     let sbet = nereus(folder, &["nav", "inspect", "a.csv", "--from", "sbet"]);
     assert!(sbet.code == 2 && sbet.stderr.contains("--gps-week"), "{}", sbet.stderr);
 }
@@ -176,7 +180,7 @@ fn of_the_manual(word: &str, instead: &str) -> String {
 /// Runs a command of the manual while its fixes are received; they are those of the file, of which the first
 /// and the last may be missed.
 #[cfg(unix)]
-fn heard_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
+fn received_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
     use nereus::nav::live::{Feed, LiveSource, Origin};
     use nereus::nav::{AttitudeSource, FileFormat, FileSource, Smoothing, VerticalDatum};
     let source = LiveSource {
@@ -190,11 +194,11 @@ fn heard_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
         bounds: nereus::nav::live::MotionBounds::AIRCRAFT,
         nominal: None,
     };
-    let (to, heard) = std::sync::mpsc::channel();
+    let (to, received) = std::sync::mpsc::channel();
     let open = || {
         let to = to.clone();
-        Feed::open(&source, "cart", None, move |heard| {
-            let _ = to.send(heard.fix.time);
+        Feed::open(&source, "cart", None, move |received| {
+            let _ = to.send(received.fix.time);
         })
     };
     // An address is listened on before anybody sends; a port is there once its maker runs.
@@ -214,7 +218,7 @@ fn heard_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
     assert!(sender.wait().unwrap().success());
     drop(feed);
     drop(to);
-    let heard: Vec<_> = heard.iter().collect();
+    let received: Vec<_> = received.iter().collect();
     let file = FileSource {
         path: cart().into(),
         format: FileFormat::Inspvax,
@@ -224,22 +228,25 @@ fn heard_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
         smoothing: Smoothing::Off,
         attitude: AttitudeSource::Recorded,
     };
-    let told: Vec<_> = nereus::nav::load(&file).unwrap().fixes.iter().map(|fix| fix.time).collect();
-    println!("{} of {} fixes heard", heard.len(), told.len());
-    assert!(heard.len() > 20 && told.windows(heard.len()).any(|part| part == heard), "{heard:?}");
+    let epochs: Vec<_> = nereus::nav::load(&file).unwrap().fixes.iter().map(|fix| fix.time).collect();
+    println!("{} of {} fixes received", received.len(), epochs.len());
+    assert!(
+        received.len() > 20 && epochs.windows(received.len()).any(|part| part == received),
+        "{received:?}"
+    );
 }
 
 #[cfg(unix)]
 #[test]
-fn a_recording_is_heard_as_datagrams() {
+fn a_recording_is_received_as_datagrams() {
     let free = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let command = of_the_manual("udp://127.0.0.1:5001", &format!("udp://{free}"));
-    heard_meanwhile(&command, nereus::nav::live::Origin::Udp(free));
+    received_meanwhile(&command, nereus::nav::live::Origin::Udp(free));
 }
 
 #[cfg(all(unix, feature = "serial"))]
 #[test]
-fn a_recording_is_heard_through_a_pseudo_terminal() {
+fn a_recording_is_received_through_a_pseudo_terminal() {
     let python = std::process::Command::new("python3").arg("--version").output();
     if !python.is_ok_and(|ended| ended.status.success()) {
         println!("skipped: no python3");
@@ -248,7 +255,7 @@ fn a_recording_is_heard_through_a_pseudo_terminal() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("gps");
     let command = of_the_manual("/tmp/gps", link.to_str().unwrap());
-    heard_meanwhile(&command, nereus::nav::live::Origin::Serial { path: link.clone(), baud: 115_200 });
+    received_meanwhile(&command, nereus::nav::live::Origin::Serial { path: link.clone(), baud: 115_200 });
     assert!(!link.exists());
 }
 

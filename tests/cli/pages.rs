@@ -168,7 +168,7 @@ fn examples_of_scenarios_are_toml() {
 }
 
 #[test]
-fn what_the_paper_says_stands_beside_commands_and_measured_figures() {
+fn statements_of_the_paper_have_commands_and_measured_figures() {
     let page = fs::read_to_string(package().join("docs/paper.md")).unwrap();
     // Commands in the cells of its table can be copied as they stand.
     let cells: Vec<&str> =

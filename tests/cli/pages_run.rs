@@ -125,8 +125,8 @@ impl Page<'_> {
     }
 
     fn fault(&mut self, line: &str, ended: &Output) {
-        let said = String::from_utf8_lossy(&ended.stderr);
-        self.faults.push(format!("{}: {line}: {}\n{said}", self.name, ended.status));
+        let stderr = String::from_utf8_lossy(&ended.stderr);
+        self.faults.push(format!("{}: {line}: {}\n{stderr}", self.name, ended.status));
     }
 
     /// Begins a receiver, and sends to it what the next line runs.

@@ -1,4 +1,4 @@
-//! What can hardly be meant is said, and what is left to the program is chosen so that it works.
+//! What is suspicious gives a warning, and what is left to the program is chosen so that it works.
 
 use std::fs;
 use std::path::Path;
@@ -51,7 +51,7 @@ fn an_antenna_below_the_sea_is_a_fault() {
 }
 
 #[test]
-fn levels_of_the_converter_are_told() {
+fn levels_of_the_converter_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let run = |full_scale_dbw: &str| {
         let scale = format!("radar.adc.full_scale_dbw={full_scale_dbw}");
@@ -73,12 +73,12 @@ fn levels_of_the_converter_are_told() {
     // A step is 6.02 dB of full scale a bit: levels in LSB scale with it.
     let bits = of["bits"].as_f64().unwrap();
     let peak_dbw = -100.0 + 20.0 * (peak / 2f64.powf(bits - 1.0)).log10();
-    let (clipped, said) = run(&format!("{}", peak_dbw - 40.0));
+    let (clipped, stderr) = run(&format!("{}", peak_dbw - 40.0));
     assert!(clipped["converter"]["saturated"].as_u64().unwrap() > 0, "{clipped}");
-    assert!(said.contains("exceed the full scale of radar.adc, by up to 40.0 dB"), "{said}");
-    let (lost, said) = run(&format!("{}", peak_dbw + 6.0206 * (bits - 1.0) + 6.0));
+    assert!(stderr.contains("exceed the full scale of radar.adc, by up to 40.0 dB"), "{stderr}");
+    let (lost, stderr) = run(&format!("{}", peak_dbw + 6.0206 * (bits - 1.0) + 6.0));
     assert_eq!(lost["converter"]["saturated"], 0);
-    assert!(said.contains("the strongest sample is 0.50 of a code"), "{said}");
+    assert!(stderr.contains("the strongest sample is 0.50 of a code"), "{stderr}");
     let rms = |report: &Value| report["converter"]["channels"][0]["rms_lsb"].as_f64().unwrap();
     let by_db = 20.0 * (rms(&usual) / rms(&lost)).log10();
     assert!((by_db - (peak_dbw + 6.0206 * (bits - 1.0) + 106.0)).abs() < 0.01, "{by_db}");
@@ -159,12 +159,12 @@ fn slow_sentences_are_waited_for() {
         ended.stderr
     );
     assert!(ended.stderr.contains("derived from the motion"), "{}", ended.stderr);
-    // Asked for less, the run says how much there should be.
+    // Asked for less, the run prints how much there should be.
     let asked = ["run", &config, "--set", "stream.latency_ms=2000", "--set", "stream.policy=drop"];
     let ended = nereus(folder.path(), &asked);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
-    let said = "navigation arrives too late for stream.latency_ms = 2000: pulses will be extrapolated; stream.latency_ms at least ";
-    assert!(ended.stderr.contains(said), "{}", ended.stderr);
+    let stderr = "navigation arrives too late for stream.latency_ms = 2000: pulses will be extrapolated; stream.latency_ms at least ";
+    assert!(ended.stderr.contains(stderr), "{}", ended.stderr);
 }
 
 /// The same positions from a recording.

@@ -54,7 +54,7 @@ kind = "null"
 fn antennas_used_where_their_bases_say_little_are_named() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("a.toml"), SCENARIO).unwrap();
-    let said = |settings: &[&str]| {
+    let warnings = |settings: &[&str]| {
         let mut arguments = vec!["check", "a.toml"];
         arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
         let ended = nereus(folder.path(), &arguments);
@@ -62,9 +62,9 @@ fn antennas_used_where_their_bases_say_little_are_named() {
         ended.stderr.lines().filter(|line| line.contains("is used")).map(str::to_owned).collect::<String>()
     };
     // Abeam of the isotropic antenna, on the boresight of the other.
-    assert_eq!(said(&[]), "");
+    assert_eq!(warnings(&[]), "");
     // Ahead of an antenna that looks abeam: 71.6 degrees off, less as it comes nearer.
-    let off = said(&["target.0.position_m=[1000, 3000, 1000]"]);
+    let off = warnings(&["target.0.position_m=[1000, 3000, 1000]"]);
     assert!(
         off.contains("\"rx\" is used 72 degrees off its boresight at pulse 0 (towards target \"buoy\")"),
         "{off}"
@@ -72,9 +72,9 @@ fn antennas_used_where_their_bases_say_little_are_named() {
     assert!(!off.contains("isotropic"), "{off}");
     // A large aperture has no more than side lobes there.
     let beside = ["target.0.position_m=[1000, 3000, 1000]", "receiver.0.antenna.width_m=1"];
-    assert_eq!(said(&beside), "");
+    assert_eq!(warnings(&beside), "");
     // Beneath: 100 m beside the nadir of 1000 m is 5.7 degrees.
-    let beneath = said(&["target.0.position_m=[100, 0, 0]", "receiver.0.pointing.pitch_deg=-80"]);
+    let beneath = warnings(&["target.0.position_m=[100, 0, 0]", "receiver.0.pointing.pitch_deg=-80"]);
     assert!(
         beneath.contains("isotropic antenna \"tx\" is used 5.7 degrees from the vertical at pulse 0"),
         "{beneath}"

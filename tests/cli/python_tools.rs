@@ -36,9 +36,9 @@ fn baseline_agrees_with_the_recording_and_is_timed() {
     let arguments = [&small[..], &few].concat();
     let modules = "numpy, h5py, tomllib";
     let Some(ended) = tool("baseline.py", modules, &arguments, folder.path()) else { return };
-    let said = text(&ended.stdout);
-    assert!(ended.status.success(), "{said}{}", text(&ended.stderr));
-    let report: serde_json::Value = serde_json::from_str(said.trim()).unwrap();
+    let printed = text(&ended.stdout);
+    assert!(ended.status.success(), "{printed}{}", text(&ended.stderr));
+    let report: serde_json::Value = serde_json::from_str(printed.trim()).unwrap();
     // 256 facets and a buoy.
     assert_eq!(report["paths"], 257);
     let error = |way: &str, of: &str| report["error_db"][way][of].as_f64();
@@ -65,15 +65,15 @@ fn baseline_agrees_with_the_recording_and_is_timed() {
     fs::write(folder.path().join("numba.py"), "raise ImportError('none')").unwrap();
     let bare = [&arguments[..arguments.len() - 1], &["--no-bench"]].concat();
     let ended = tool("baseline.py", modules, &bare, folder.path()).unwrap();
-    let said = text(&ended.stdout);
+    let printed = text(&ended.stdout);
     assert!(
-        ended.status.success() && said.contains("numba is absent") && !said.contains("numba grid"),
-        "{said}"
+        ended.status.success() && printed.contains("numba is absent") && !printed.contains("numba grid"),
+        "{printed}"
     );
 }
 
 #[test]
-fn steady_tells_a_recording_that_changes_from_one_that_does_not() {
+fn steady_distinguishes_a_recording_that_changes_from_one_that_does_not() {
     let folder = tempfile::tempdir().unwrap();
     let calibration = package().join("configs/calibration.toml").display().to_string();
     let set = "sink.0.kind=\"plain\"";
@@ -82,9 +82,9 @@ fn steady_tells_a_recording_that_changes_from_one_that_does_not() {
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let judged = || tool("steady.py", "numpy", &["r.plain", "--limit-db", "0.5", "--json"], folder.path());
     let Some(ended) = judged() else { return };
-    let said = text(&ended.stdout);
-    assert!(ended.status.success(), "{said}{}", text(&ended.stderr));
-    let report: serde_json::Value = serde_json::from_str(said.trim()).unwrap();
+    let printed = text(&ended.stdout);
+    assert!(ended.status.success(), "{printed}{}", text(&ended.stderr));
+    let report: serde_json::Value = serde_json::from_str(printed.trim()).unwrap();
     assert_eq!(
         (&report["pulses"], &report["compared"], &report["missing"]),
         (&400.into(), &200.into(), &0.into())
@@ -120,7 +120,8 @@ fn steady_tells_a_recording_that_changes_from_one_that_does_not() {
     assert_eq!((ended.status.code(), &report["not_finite"]), (Some(1), &1.into()), "{report}");
 }
 
-/// Heights of the scenario, deflated: other versions of zlib may pack them otherwise, but the header is the same.
+/// Heights of the scenario, deflated: other versions of zlib may pack them otherwise, but the header is the
+/// same.
 #[test]
 fn the_headland_is_made_by_its_tool() {
     let folder = tempfile::tempdir().unwrap();

@@ -71,7 +71,7 @@ fn a_run_is_received_as_it_is_recorded() {
     }
     assert_eq!(report["missing"]["pulses_by_index"], 0);
     assert_eq!(report["missing"]["packets_by_count"], 0);
-    // Emissions of 2020 by a clock of today: years apart, told apart from the lateness, which is small.
+    // Emissions of 2020 by a clock of today: years apart, and kept apart from the lateness, which is small.
     // (None where this machine was too busy to keep step.)
     let late = &report["lateness"];
     if late.is_null() {
@@ -138,7 +138,7 @@ fn same(sent: &Path, got: &Path) {
 }
 
 #[test]
-fn the_report_for_people_says_the_same() {
+fn the_report_as_text_has_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let (receiver, address) = listening(folder.path(), &["--idle-s", "1.5"]);
     let out = if cfg!(feature = "hdf5") { "sent.h5" } else { "sent" };
@@ -155,7 +155,7 @@ fn the_report_for_people_says_the_same() {
 }
 
 #[test]
-fn a_run_without_a_receiver_ends_well_and_tells_what_was_refused() {
+fn a_run_without_a_receiver_ends_well_and_reports_what_was_refused() {
     let folder = tempfile::tempdir().unwrap();
     // A port that was free a moment ago.
     let address = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
@@ -167,18 +167,18 @@ fn a_run_without_a_receiver_ends_well_and_tells_what_was_refused() {
 }
 
 #[test]
-fn addresses_and_outputs_that_cannot_be_are_told() {
+fn addresses_and_outputs_that_cannot_be_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let told = |arguments: &[&str], part: &str| {
+    let refused = |arguments: &[&str], part: &str| {
         let ended = nereus(folder.path(), &[&["receive", "--duration-s", "0.1"], arguments].concat());
         assert_eq!(ended.code, 2, "{}", ended.stderr);
         assert!(ended.stderr.contains(part), "{part}: {}", ended.stderr);
     };
-    told(&["--listen", "nowhere"], "cannot listen at nowhere");
+    refused(&["--listen", "nowhere"], "cannot listen at nowhere");
     let taken = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
-    told(&["--listen", &taken.local_addr().unwrap().to_string()], "cannot listen at 127.0.0.1");
-    told(&["--listen", "127.0.0.1:0", "--out", "no/such/folder"], "no/such");
-    told(&["--idle-s", "0"], "allowed: a number of seconds above 0");
+    refused(&["--listen", &taken.local_addr().unwrap().to_string()], "cannot listen at 127.0.0.1");
+    refused(&["--listen", "127.0.0.1:0", "--out", "no/such/folder"], "no/such");
+    refused(&["--idle-s", "0"], "allowed: a number of seconds above 0");
     let ended =
         nereus(folder.path(), &["receive", "--listen", "127.0.0.1:0", "--duration-s", "0.1", "--json"]);
     let report: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();

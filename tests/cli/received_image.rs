@@ -7,7 +7,7 @@ use nereus::focus::{Image, Navigation, Settings};
 use crate::program::{nereus, package};
 use crate::receive::{listening, stdout};
 
-/// Images of all channels by reported navigation, where the recording says that the radar looks.
+/// Images of all channels by reported navigation, where the radar looks by the recording.
 fn images(path: &Path, size_m: f64, pixel_m: f64) -> Vec<Image> {
     let recording = nereus::Recording::open(path, None).unwrap();
     let mut settings = Settings::default();

@@ -19,7 +19,7 @@ fn json(stdout: &str) -> serde_json::Value {
 const RECORDING: &str = if cfg!(feature = "hdf5") { "h5" } else { "plain" };
 
 #[test]
-fn a_run_says_what_it_did_in_json() {
+fn a_run_reports_in_json() {
     let folder = tempfile::tempdir().unwrap();
     let out = format!("run.{RECORDING}");
     let run = ["run", &calibration(), "--pace", "fast", "--pulses", "10..40", "--out", &out, "--json"];
@@ -59,7 +59,7 @@ fn pulses_that_the_run_does_not_have_are_refused() {
 }
 
 #[test]
-fn faults_of_tracks_and_outputs_are_told_together() {
+fn faults_of_tracks_and_outputs_are_reported_together() {
     let folder = tempfile::tempdir().unwrap();
     let track = folder.path().join("backwards.csv");
     fs::write(
@@ -112,7 +112,7 @@ fn short_of_latency(policy: &str, more: &[&str]) -> Ended {
 }
 
 #[test]
-fn a_latency_below_a_block_is_told_with_one_that_is_not() {
+fn a_latency_below_a_block_is_refused_with_one_that_is_allowed() {
     let ended = short_of_latency("stop", &["--duration-s", "0.1"]);
     assert_eq!(ended.code, 1, "{}", ended.stderr);
     // 37 pulses of each of two threads at 5 kHz.
@@ -139,7 +139,7 @@ fn a_run_that_releases_nothing_has_failed() {
 }
 
 #[test]
-fn slipped_time_is_told() {
+fn slipped_time_is_reported() {
     let ended = short_of_latency("slip", &["--pulses", "0..1"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     assert!(ended.stderr.contains("released 1 pulse in "), "{}", ended.stderr);
@@ -225,14 +225,14 @@ fn an_array_of_jobs_makes_the_whole_run() {
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     same_datasets(&folder.path().join("whole.h5"), &folder.path().join("joined.h5"));
 
-    for (more, says) in [
+    for (more, words) in [
         (&["--shard", "0/3"] as &[&str], "allowed: K/N, K from 1 to N, such as 3/16"),
         (&["--shard", "1/1000"], "--shard 1/1000: the run has 89 pulses; allowed: at most as many shards"),
         (&["--shard", "1/3", "--pulses", "0..5"], "cannot be used with"),
     ] {
         let refused = run(more);
         assert_eq!(refused.code, 2, "{}", refused.stderr);
-        assert!(refused.stderr.contains(says), "{}", refused.stderr);
+        assert!(refused.stderr.contains(words), "{}", refused.stderr);
     }
 }
 

@@ -135,10 +135,10 @@ fn files_that_exist_stay() {
         (&["--png", "a", "--save-state", "./a"], "named twice"),
         (&["--png", "no/such/folder/sea.png"], "folder"),
     ];
-    for (arguments, said) in cases {
+    for (arguments, words) in cases {
         let ended = sea(folder.path(), arguments);
         assert_eq!(ended.code, 2, "{arguments:?}: {}", ended.stderr);
-        assert!(ended.stderr.contains(said) && ended.stdout.is_empty(), "{arguments:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(words) && ended.stdout.is_empty(), "{arguments:?}: {}", ended.stderr);
     }
     assert_eq!(names(folder.path()), ["mine.png", "sea.png", "sea.toml"]);
     assert_eq!(fs::read(path("sea.png")).unwrap(), first);
@@ -147,7 +147,7 @@ fn files_that_exist_stay() {
 }
 
 #[test]
-fn wrong_input_is_said() {
+fn wrong_input_is_refused() {
     let folder = folder();
     let cases: [(&[&str], &str); 5] = [
         (&["--time-s", "1e12"], "within"),
@@ -156,10 +156,10 @@ fn wrong_input_is_said() {
         (&["--set", "sea.wind=5"], "wind"),
         (&["--set", "sea.wind_mps=-1"], "wind_mps"),
     ];
-    for (arguments, said) in cases {
+    for (arguments, words) in cases {
         let ended = sea(folder.path(), arguments);
         assert_eq!(ended.code, 2, "{arguments:?}: {}", ended.stderr);
-        assert!(ended.stderr.contains(said), "{arguments:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(words), "{arguments:?}: {}", ended.stderr);
     }
     let (before, after) = SCENE.split_once("patch_size_m").unwrap();
     let dry = format!("{before}{}", &after[after.find("[radar]").unwrap()..]);

@@ -8,7 +8,7 @@ use crate::table_golden::golden;
 
 /// What is set is reported as keys and as what follows from them, and what was asked otherwise beside it.
 #[test]
-fn settings_are_told_as_asked_and_as_set() {
+fn settings_are_reported_as_asked_and_as_set() {
     let check = |scatter: &str, more: &[&str]| {
         let sea = package().join("configs/sea.toml").display().to_string();
         let small =
@@ -143,8 +143,8 @@ fn waves_are_those_of_the_golden_spectra() {
 }
 
 #[test]
-fn what_does_not_fit_is_said_and_not_refused() {
-    let said = |settings: &[&str]| {
+fn what_does_not_fit_gives_a_warning_and_no_error() {
+    let warnings = |settings: &[&str]| {
         // Nothing to say of this sea: long, finely cut.
         let mut all = vec![
             "swell=[]",
@@ -155,29 +155,29 @@ fn what_does_not_fit_is_said_and_not_refused() {
             "scene.facet_m=0.5",
         ];
         all.extend(settings);
-        let said = check("configs/sea.toml", &all).1;
+        let warnings = check("configs/sea.toml", &all).1;
         // A build without HDF5 has a word about the recording besides.
-        said.lines().filter(|line| !line.contains("has no HDF5")).collect::<Vec<_>>().join("\n")
+        warnings.lines().filter(|line| !line.contains("has no HDF5")).collect::<Vec<_>>().join("\n")
     };
-    insta::assert_snapshot!(said(&[]), @"");
-    insta::assert_snapshot!(said(&["sea.wind_mps=10"]), @r#"warning: the patch of 16 m x 16 m is shorter than the 329 m that its spectrum asks for: long waves are coarsely drawn"#);
-    insta::assert_snapshot!(said(&["sea.wind_mps=26"]), @r#"
+    insta::assert_snapshot!(warnings(&[]), @"");
+    insta::assert_snapshot!(warnings(&["sea.wind_mps=10"]), @r#"warning: the patch of 16 m x 16 m is shorter than the 329 m that its spectrum asks for: long waves are coarsely drawn"#);
+    insta::assert_snapshot!(warnings(&["sea.wind_mps=26"]), @r#"
 warning: the patch of 16 m x 16 m is shorter than the 2221 m that its spectrum asks for: long waves are coarsely drawn
 warning: wind of 26.0 m/s at 10 m: above 25 m/s the laws of wind and waves are extrapolations, and a linear sea is a rough model
 "#);
-    insta::assert_snapshot!(said(&["scene.facet_m=1"]), @r#"warning: 3.5 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's"#);
-    insta::assert_snapshot!(said(&["scene.facet_m=8"]), @r#"
+    insta::assert_snapshot!(warnings(&["scene.facet_m=1"]), @r#"warning: 3.5 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's"#);
+    insta::assert_snapshot!(warnings(&["scene.facet_m=8"]), @r#"
 warning: 0.1 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's
 warning: facets of 8 m are longer than a resolution cell of 3.53 m ground range
 "#);
-    insta::assert_snapshot!(said(&["radar.window.start_us=29.5"]), @r#"warning: the receive window misses the patch at pulse 0: it holds full echoes that begin [29.5, 31.09] us after the emission, those of the patch begin [28.27, 28.34] us"#);
+    insta::assert_snapshot!(warnings(&["radar.window.start_us=29.5"]), @r#"warning: the receive window misses the patch at pulse 0: it holds full echoes that begin [29.5, 31.09] us after the emission, those of the patch begin [28.27, 28.34] us"#);
     // The echo of the pulse before: 28.3 us are 3.3 us after the next emission.
-    assert_eq!(said(&["radar.window={samples=64,start_us=3.0}", "radar.prf_hz=40000"]), "");
-    insta::assert_snapshot!(said(&["scene.earth=curved", "platform.0.track.position_m=[-30000, 0, 0]", "radar.window.start_us=199.5"]), @r#"
+    assert_eq!(warnings(&["radar.window={samples=64,start_us=3.0}", "radar.prf_hz=40000"]), "");
+    insta::assert_snapshot!(warnings(&["scene.earth=curved", "platform.0.track.position_m=[-30000, 0, 0]", "radar.window.start_us=199.5"]), @r#"
 warning: 48 % of the patch lie beyond the horizon of "tx" at pulse 0 and are dark: it sees the sea to 30.0 km, the patch lies 30.0 to 30.0 km away
 warning: 48 % of the patch lie beyond the horizon of "rx" at pulse 0 and are dark: it sees the sea to 30.0 km, the patch lies 30.0 to 30.0 km away
 "#);
-    insta::assert_snapshot!(said(&["slick=[{centre_m=[50,0],half_axes_m=[3,4]}]"]), @r#"warning: slick "slick-0" lies outside the patch of sea: no facet has it"#);
+    insta::assert_snapshot!(warnings(&["slick=[{centre_m=[50,0],half_axes_m=[3,4]}]"]), @r#"warning: slick "slick-0" lies outside the patch of sea: no facet has it"#);
 }
 
 #[test]
@@ -214,9 +214,9 @@ fn a_spectrum_file_is_faulted_by_line_beside_the_other_files() {
 
 #[test]
 fn what_the_earth_hides_is_named_with_its_distance() {
-    let (report, said) = check("tests/data/scenarios/coast.toml", &[]);
+    let (report, warnings) = check("tests/data/scenarios/coast.toml", &[]);
     // 35 m and 1 m of height: 24.4 + 4.1 km. The helicopter, 100 m high, is seen.
-    let lines: Vec<_> = said.lines().filter(|line| line.contains("horizon")).collect();
+    let lines: Vec<_> = warnings.lines().filter(|line| line.contains("horizon")).collect();
     insta::assert_snapshot!(lines.join("\n"), @r#"
 warning: target "buoy" lies beyond the horizon of "tx" at pulse 0: 60.0 km away, seen to 28.5 km
 warning: target "buoy" lies beyond the horizon of "rx" at pulse 0: 60.0 km away, seen to 28.5 km
@@ -225,10 +225,10 @@ warning: 100 % of the patch lie beyond the horizon of "rx" at pulse 0 and are da
 "#);
     let has = |list: &str| report[list].as_array().unwrap().iter().any(|row| row["what"] == "horizon");
     assert!(has("modelled") && !has("not_modelled"));
-    let (report, said) = check("tests/data/scenarios/coast.toml", &["scene.horizon=false"]);
+    let (report, warnings) = check("tests/data/scenarios/coast.toml", &["scene.horizon=false"]);
     assert!(
-        !said.contains("buoy") && said.contains("illuminated all the same (scene.horizon = false)"),
-        "{said}"
+        !warnings.contains("buoy") && warnings.contains("illuminated all the same (scene.horizon = false)"),
+        "{warnings}"
     );
     assert!(report["not_modelled"].as_array().unwrap().iter().any(|row| row["what"] == "horizon"));
 }

@@ -50,7 +50,7 @@ fn missing_toolchains_are_named() {
 }
 
 #[test]
-fn without_root_it_says_what_to_install() {
+fn without_root_it_names_what_to_install() {
     let mut programs = BUILD.to_vec();
     programs.push(("id", "echo 1000"));
     programs.push(("apt-get", "exit 99"));
@@ -65,7 +65,7 @@ fn without_root_it_says_what_to_install() {
 }
 
 #[test]
-fn without_apt_it_says_what_to_install() {
+fn without_apt_it_names_what_to_install() {
     let mut programs = BUILD.to_vec();
     programs.push(("id", "echo 0"));
     let output = setup(&machine(&programs));

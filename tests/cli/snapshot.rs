@@ -54,7 +54,7 @@ fn pictures_and_maps_are_whole_or_not_there() {
 
 #[cfg(feature = "hdf5")]
 #[test]
-fn the_map_has_every_channel_and_what_the_window_hears() {
+fn the_map_has_every_channel_and_what_the_window_receives() {
     let folder = tempfile::tempdir().unwrap();
     // A window that ends within the patch.
     let ended =
@@ -66,24 +66,24 @@ fn the_map_has_every_channel_and_what_the_window_hears() {
         // In the nulls of the antennas there is next to nothing, but no facet is dark.
         assert!(read(name).iter().all(|dbw| dbw.is_finite() && *dbw < -100.0), "{name}");
     }
-    let (delay_us, heard) = (read("delay_us"), read("heard"));
+    let (delay_us, received) = (read("delay_us"), read("heard"));
     // The window opens at 26.8 us and listens 32 samples beyond its 118.
-    for (delay_us, heard) in delay_us.iter().zip(&heard) {
-        assert_eq!(*heard == 1.0, *delay_us < 26.8 + 1.50, "{delay_us} us");
+    for (delay_us, received) in delay_us.iter().zip(&received) {
+        assert_eq!(*received == 1.0, *delay_us < 26.8 + 1.50, "{delay_us} us");
     }
-    assert!(heard.contains(&0.0) && heard.contains(&1.0));
+    assert!(received.contains(&0.0) && received.contains(&1.0));
 }
 
 #[test]
 fn wrong_input_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    for (arguments, said) in [
+    for (arguments, words) in [
         (&["--channel", "XX"][..], "no channel 'XX'; allowed: HH, HV, VH, VV"),
         (&["--pulse", "500"][..], "allowed: 0 to 499"),
     ] {
         let ended = snapshot(folder.path(), arguments);
         assert_eq!(ended.code, 2);
-        assert!(ended.stderr.contains(said), "{}", ended.stderr);
+        assert!(ended.stderr.contains(words), "{}", ended.stderr);
     }
     let coastal = package().join("configs/coastal.toml");
     let ended = nereus(folder.path(), &["snapshot", coastal.to_str().unwrap()]);
@@ -152,21 +152,22 @@ fn contacts_ask_for_hdf5() {
 fn a_headland_throws_its_shadow_on_the_sea_and_a_boat() {
     let folder = tempfile::tempdir().unwrap();
     let coast = package().join("configs/coast.toml").display().to_string();
-    let heard = |more: &[&str]| {
+    let received = |more: &[&str]| {
         let ended = nereus(folder.path(), &[&["snapshot", &coast, "--pulse", "50", "--json"], more].concat());
         assert_eq!(ended.code, 0, "{}", ended.stderr);
         let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
         assert_eq!(report["facets"].as_u64(), Some(65536));
         (report["heard"].as_u64().unwrap(), report["contact_count"].as_u64())
     };
-    let ((hidden, _), (open, _)) = (heard(&[]), heard(&["--set", "sea.shadow.enabled=false"]));
-    // Behind the hills, and behind waves at five degrees; what lies with its back to the antennas is dark in both.
-    println!("{hidden} and {open} facets are heard");
+    let ((hidden, _), (open, _)) = (received(&[]), received(&["--set", "sea.shadow.enabled=false"]));
+    // Behind the hills, and behind waves at five degrees; what lies with its back to the antennas is dark in
+    // both.
+    println!("{hidden} and {open} facets are received");
     assert!((35_000..45_000).contains(&hidden) && open > hidden + 4000);
     #[cfg(feature = "hdf5")]
     {
         let targets = |more: &[&str], name: &str| {
-            let (facets, count) = heard(&[&["--paths", name], more].concat());
+            let (facets, count) = received(&[&["--paths", name], more].concat());
             count.unwrap() - facets
         };
         assert_eq!(targets(&[], "a.h5"), 1, "the buoy alone");

@@ -14,7 +14,7 @@ facet_m = 1.0
 [sea]
 wind_mps = 8.0
 wind_from_deg = 10.0
-# A facet that travels and is an average of tilts is spikier than Rayleigh: of two a cell nothing could be said.
+# A facet that travels and is an average of tilts is spikier than Rayleigh: two a cell would show nothing.
 scattering = { bragg = "frozen" }
 [radar]
 carrier_hz = 10e9

@@ -124,7 +124,7 @@ fn bad_keys_are_refused_in_words() {
         ("wind --wind-mps 41", "wind of 41 m/s: allowed are 0 to 40 m/s"),
         ("wind --wind-mps=-1", "wind of -1 m/s: allowed are 0 to 40 m/s"),
         ("wind --wind-mps 10 --wind-height-m 0.5", "wind given at 0.5 m: allowed are 1 to 100 m"),
-        ("wind --wind-height-m 19.5", "--wind-height-m says where a speed holds"),
+        ("wind --wind-height-m 19.5", "--wind-height-m is the height of a wind speed"),
         ("wind --ustar-mps 0.3 --wind-mps 10", "cannot be used with"),
         ("wind --ustar-mps 0.3 --from-mps 3", "--ustar-mps and --from-mps both say"),
         ("wind --ustar-mps 4", "friction velocity of 4 m/s: allowed are 0 to 3 m/s"),

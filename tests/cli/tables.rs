@@ -320,7 +320,7 @@ fn ratio(decibels: f64) -> f64 {
 /// The NRCS table of docs/physics.md section 10.6 at 45 degrees upwind (10 GHz, 10 m/s, whole sea, averaged
 /// over tilts), where specular points hardly count: to half its last digit, 0.05 dB.
 #[test]
-fn the_default_is_the_whole_sea_seen_from_where_it_is_lit() {
+fn the_default_is_the_whole_sea_seen_from_the_transmitter() {
     let found = printed("sigma0 --light-wind published --kind elfouhaily --wind-mps 10 --incidence-deg 45");
     let found = found.single();
     for (column, expected) in

@@ -178,7 +178,7 @@ fn the_picture_shows_two_signs_and_the_summary_the_figures() {
 }
 
 #[test]
-fn files_that_exist_stay_and_wrong_input_is_said() {
+fn files_that_exist_stay_and_wrong_input_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("mine.png"), "not a picture").unwrap();
     assert_eq!(wake(folder.path(), &["--png", "wake.png"]).code, 0);
@@ -192,10 +192,10 @@ fn files_that_exist_stay_and_wrong_input_is_said() {
         (&["--set", "ship.0.speed_mps=-1"], "out of range"),
         (&["--set", "ship.0.length_m=1e9"], "out of range"),
     ];
-    for (arguments, said) in cases {
+    for (arguments, words) in cases {
         let ended = wake(folder.path(), arguments);
         assert_eq!(ended.code, 2, "{arguments:?}: {}", ended.stderr);
-        assert!(ended.stderr.contains(said) && ended.stdout.is_empty(), "{arguments:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(words) && ended.stdout.is_empty(), "{arguments:?}: {}", ended.stderr);
     }
     assert_eq!(names(folder.path()), ["mine.png", "wake.png"]);
     assert_eq!(fs::read(folder.path().join("mine.png")).unwrap(), b"not a picture");

@@ -13,10 +13,10 @@ fn check(settings: &[&str]) -> Ended {
 }
 
 #[test]
-fn figures_of_a_ship_are_said() {
+fn figures_of_a_ship_are_reported() {
     let ended = check(&[]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
-    for said in [
+    for words in [
         "heading 90 deg from North at 4.5 m/s; Kelvin wake; turbulent wake",
         "Froude number 0.144",
         "transverse waves 12.97 m long",
@@ -24,7 +24,7 @@ fn figures_of_a_ship_are_said() {
         "offsets agree with the stated particulars; largest deviation 1.54 % (wetted surface)",
         "echo = false",
     ] {
-        assert!(ended.stdout.contains(said), "{said}: {}", ended.stdout);
+        assert!(ended.stdout.contains(words), "{words}: {}", ended.stdout);
     }
     assert!(!ended.stderr.contains("ship"), "{}", ended.stderr);
 }
@@ -42,9 +42,9 @@ fn wakes_that_do_not_show_are_warned_of() {
         ),
         ("ship.0.position_m=[-3000, 0]", "and so does its wake"),
     ];
-    for (setting, said) in cases {
+    for (setting, words) in cases {
         let ended = check(&[setting]);
-        assert!(ended.code == 0 && ended.stderr.contains(said), "{setting}: {}", ended.stderr);
+        assert!(ended.code == 0 && ended.stderr.contains(words), "{setting}: {}", ended.stderr);
         assert!(
             !ended.stdout.contains("NaN") && !ended.stdout.contains("inf "),
             "{setting}: {}",
@@ -59,7 +59,7 @@ fn wakes_that_do_not_show_are_warned_of() {
 }
 
 #[test]
-fn faults_of_every_hull_are_said_with_file_and_line() {
+fn faults_of_every_hull_are_reported_with_file_and_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     fs::write(path("holes.csv"), "x_m/z_m,-2,-1,0\n0,0,0,0\n5,0.4,,1\n10,0,-1,0\n").unwrap();
@@ -81,7 +81,7 @@ fn faults_of_every_hull_are_said_with_file_and_line() {
     ] {
         let ended = check(&[&[ships.as_str()], others].concat());
         assert_eq!(ended.code, 2, "{}", ended.stderr);
-        for said in [
+        for words in [
             "ship 'ship-0'",
             "holes.csv line 3",
             "holes.csv line 4",
@@ -89,7 +89,7 @@ fn faults_of_every_hull_are_said_with_file_and_line() {
             "order.csv line 3",
             "ship 'ship-2'",
         ] {
-            assert!(ended.stderr.contains(said), "{said}: {}", ended.stderr);
+            assert!(ended.stderr.contains(words), "{words}: {}", ended.stderr);
         }
     }
 }
@@ -142,16 +142,16 @@ fn scatterers_of_a_hull_sail_with_it_as_targets() {
     assert!(truth("ship_heading_deg").iter().all(|heading| heading.abs() < 1e-9));
     let meta: serde_json::Value = serde_json::from_str(&silent_meta).unwrap();
     assert_eq!(meta["ships"], serde_json::json!(["dtmb5415"]));
-    let (aboard, aboard_meta) = run("aboard", "ship.0.echo=true");
+    let (hull, hull_meta) = run("hull", "ship.0.echo=true");
     let target = "target=[{ position_m = [-17, 35, 12], velocity_mps = [0, 4.5, 0], rcs_m2 = 100 }]";
     let (beside, _) = run("beside", target);
-    assert!(aboard_meta.contains("dtmb5415.bridge-top") && !silent_meta.contains("bridge-top"));
+    assert!(hull_meta.contains("dtmb5415.bridge-top") && !silent_meta.contains("bridge-top"));
     let largest = beside.iter().fold(0f32, |most, v| most.max(v.abs()));
     let apart = |other: &[f32]| {
         assert_eq!(other.len(), beside.len());
         beside.iter().zip(other).fold(0f32, |most, (a, b)| most.max((a - b).abs())) / largest
     };
     // Sine and cosine of a right angle place it to 1e-14 m: a few last bits of an f32 may differ.
-    assert!(apart(&aboard) < 1e-6, "{}", apart(&aboard));
+    assert!(apart(&hull) < 1e-6, "{}", apart(&hull));
     assert!(apart(&silent) > 0.1, "{}", apart(&silent));
 }

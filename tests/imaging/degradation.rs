@@ -234,7 +234,7 @@ fn ensemble(axis: AxisErrors, seeds: u64) -> (f64, f64) {
 }
 
 #[test]
-fn noise_costs_on_average_what_its_covariance_says() {
+fn noise_costs_on_average_what_its_covariance_predicts() {
     for (sigma, tau_s) in [(0.4446, 0.2), (1.0, 0.05), (1.0, 2.0)] {
         let axis = AxisErrors { gm_sigma: height_m(sigma), gm_tau_s: tau_s, ..AxisErrors::default() };
         let (mean, error) = ensemble(axis, 300);

@@ -32,7 +32,7 @@ struct Case {
 #[derive(Clone, Copy, Debug)]
 enum Start {
     /// The middle of the image is received in the first pulse, at this part of the window.
-    Heard(f64),
+    Received(f64),
     /// Anywhere, s.
     Wild(f64),
 }
@@ -42,7 +42,7 @@ fn cases() -> impl Strategy<Value = Case> {
     let speed = prop::array::uniform3(prop_oneof![Just(0.0), -8e3..8e3f64]);
     let other = prop::array::uniform3(prop_oneof![Just(0.0), -1e6..1e6f64]);
     let wild = prop_oneof![Just(0.0), -1e-4..1e-2f64].prop_map(Start::Wild);
-    let start_of_window = prop_oneof![3 => (0.01..0.99f64).prop_map(Start::Heard), 1 => wild];
+    let start_of_window = prop_oneof![3 => (0.01..0.99f64).prop_map(Start::Received), 1 => wild];
     let pixel_m = prop_oneof![1e-3..1.0f64, 1.0..1e4f64];
     let ends = (start, speed, other, pixel_m);
     let pulses = (1usize..70, 1e-5..1.0f64, start_of_window, 1..MOST_SAMPLES);
@@ -71,8 +71,8 @@ fn images_are_finite() {
             Ok(())
         })
         .unwrap();
-    // In three cases of four the middle of the image lies within the receive windows: 36 of 48, with a standard deviation of 3: nine of
-    // them less.
+    // In three cases of four the middle of the image lies within the receive windows: 36 of 48, with a
+    // standard deviation of 3: nine of them less.
     println!("{} pixels were hit", hit.get());
     assert!(hit.get() >= least, "{}", hit.get());
 }
@@ -103,7 +103,7 @@ fn image(case: &Case) -> Result<usize, TestCaseError> {
         gate: None,
     };
     let window_start_s = match case.start_of_window {
-        Start::Heard(part) => {
+        Start::Received(part) => {
             let middle_s = aperture.delay_s(&aperture.pulses[0], ground.centre_m());
             middle_s - part * (case.samples - 1) as f64 / RATE_HZ
         }
@@ -114,7 +114,7 @@ fn image(case: &Case) -> Result<usize, TestCaseError> {
     prop_assert!(made.iter().all(|z| z.is_finite()));
     prop_assert!(wanted.iter().all(|z| z.is_finite()));
     // A window of one sample has no place between samples. Seven by five pixels: the middle is one of them.
-    if matches!(case.start_of_window, Start::Heard(_)) && case.samples > 1 {
+    if matches!(case.start_of_window, Start::Received(_)) && case.samples > 1 {
         let middle = 2 * 7 + 3;
         prop_assert!(made[middle] != Complex32::ZERO && wanted[middle].norm() > 0.0);
     }

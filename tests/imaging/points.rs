@@ -86,8 +86,8 @@ fn points_are_as_wide_and_as_high_as_theory_has_them_in_every_geometry_and_chann
             let found = analyse(&aperture, &[TARGET_M.into()], [Taper::Uniform; 2]);
             judge(geometry, &row.name, &found[0].unwrap(), [SINC_DB; 2]);
         }
-        // The truth record alone determines the place: light time of both sides to 1e-9 m over the angle that the
-        // aperture spans, 2e-3 rad at least.
+        // The truth record alone determines the place: light time of both sides to 1e-9 m over the angle that
+        // the aperture spans, 2e-3 rad at least.
         let delays = recording.delays_s("t", "r", 0).unwrap();
         let place = locate(&transmitter, &receiver, &recording.emission_s, &delays, [0.0; 3]).unwrap();
         let off: Vec<f64> = place.iter().zip(TARGET_M).map(|(a, b)| (a - b).abs()).collect();

@@ -300,7 +300,7 @@ fn shapes_over_azimuth_come_back_within_their_errors() {
 }
 
 #[test]
-fn extremes_are_told_or_refused() {
+fn extremes_are_reported_or_refused() {
     let refused = |powers: &[f64]| Sample::new(powers).unwrap_err();
     assert!(matches!(refused(&[1.0, f64::NAN]), SampleFault::Power { pixel: 1, .. }));
     assert!(matches!(refused(&[1.0, 2.0, -1.0]), SampleFault::Power { pixel: 2, .. }));
@@ -379,7 +379,7 @@ fn few_facets_in_a_cell_lower_the_contrast() {
 }
 
 #[test]
-fn blocks_tell_the_error_of_pixels_that_are_alike() {
+fn blocks_give_the_error_of_pixels_that_are_alike() {
     let mut numbers = stream(84, Room::SampledPulses, 0, 0);
     let (columns, rows) = (200, 150);
     let image = |numbers: &mut _, wave: f64| -> Vec<f64> {
@@ -401,7 +401,8 @@ fn blocks_tell_the_error_of_pixels_that_are_alike() {
         let [alone, blocks] = [0, 1].map(|i| errors.iter().map(|t| t[i]).sum::<f64>() / errors.len() as f64);
         println!("wave {wave}: {alone:.5} of independent pixels, {blocks:.5} by blocks");
         if least > 0.0 {
-            // The wave makes some blocks smooth and others spiky: the error from pixels alone is far too small.
+            // The wave makes some blocks smooth and others spiky: the error from pixels alone is far too
+            // small.
             assert!(blocks > 2.0 * alone, "{alone} {blocks}");
         }
     }

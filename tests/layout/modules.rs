@@ -199,7 +199,7 @@ fn lib_names_the_modules_in_order_and_holds_nothing_else() {
 fn modules_that_make_pulses_know_no_threads() {
     for module in ["scene", "sea", "motion", "geometry", "scattering", "radar", "paths", "echo"] {
         for path in files(&root().join("src").join(module), "rs") {
-            // What threads find once for each other is behind this door.
+            // What threads find once for each other is behind this type.
             if path.ends_with("paths/kept.rs") {
                 continue;
             }

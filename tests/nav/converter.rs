@@ -42,21 +42,21 @@ fn an_altitude_of_39000_ft_is_rejected_and_reported() {
         .fold(0.0, f64::max);
     // 5,800 ft and the undulation.
     assert!(highest < 1900.0, "{highest}");
-    // Not twice over the same file, and not without being told.
+    // Not twice over the same file, unless asked to.
     let Some(again) = convert(&[input, out]) else { return };
     assert_eq!(again.status.code(), Some(2));
     assert!(text(&again.stderr).contains("exists; give --force"), "{}", text(&again.stderr));
 }
 
 #[test]
-fn wrong_input_is_told() {
+fn wrong_input_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let out = path("out.csv");
     std::fs::write(path("list.json"), "[1, 2]").unwrap();
     std::fs::write(path("half.json.gz"), [0x1f, 0x8b, 8, 0, 0]).unwrap();
     std::fs::write(path("empty.json"), "[]").unwrap();
-    for (input, told) in [
+    for (input, words) in [
         ("missing.json", "cannot read"),
         ("list.json", "expected a JSON array of objects"),
         ("half.json.gz", "not (gzipped) JSON"),
@@ -65,7 +65,7 @@ fn wrong_input_is_told() {
         let Some(run) = convert(&[&path(input), &out]) else { return };
         let report = text(&run.stderr);
         assert_eq!(run.status.code(), Some(2), "{report}");
-        assert!(report.contains(told) && report.contains(input), "{report}");
+        assert!(report.contains(words) && report.contains(input), "{report}");
         assert!(!std::path::Path::new(&out).exists());
     }
     let Some(run) = convert(&["--help"]) else { return };

@@ -63,7 +63,7 @@ fn line_numbers_count_comments_and_blank_lines_whatever_the_line_ends() {
 }
 
 #[test]
-fn all_faults_are_told_at_once() {
+fn all_faults_are_reported_at_once() {
     assert_snapshot!(error(
         "time_utc,lat_deg,lon_deg,height_m,yaw_deg,pitch_deg,roll_deg\n\
          2018-05-30T18:00:00Z,53,4.5,100,0,0,0\n\
@@ -134,8 +134,8 @@ fn the_ends_of_the_calendar_are_read_and_printed() {
     for (time, printed) in
         [("-62135596800", "0001-01-01T00:00:00"), ("253402300799.5", "9999-12-31T23:59:59.5")]
     {
-        let told = error(&format!("unix_s,x_m,y_m,z_m\n{time},0,0,0\n{time},0,0,0\n"));
-        assert!(told.contains(printed), "{told}");
+        let message = error(&format!("unix_s,x_m,y_m,z_m\n{time},0,0,0\n{time},0,0,0\n"));
+        assert!(message.contains(printed), "{message}");
     }
     for time in ["-62135596801", "253402300800", "99999999999999999999"] {
         assert!(error(&format!("unix_s,x_m,y_m,z_m\n{time},0,0,0\n")).contains("unix_s"));
@@ -178,7 +178,7 @@ proptest! {
     #[test]
     fn dates_of_any_digits_do_not_panic(d in "[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\\.[0-9]{1,12})?Z?") {
         let text = format!("time_utc,x_m,y_m,z_m\n{d},0,0,0\n");
-        let told = csv::parse(text.as_bytes(), &sources::csv("t.csv")).unwrap_err().to_string();
-        prop_assert!(told.contains("1 fault"));
+        let message = csv::parse(text.as_bytes(), &sources::csv("t.csv")).unwrap_err().to_string();
+        prop_assert!(message.contains("1 fault"));
     }
 }

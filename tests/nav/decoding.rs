@@ -38,12 +38,12 @@ pub fn assemble(bytes: &[u8]) -> Vec<Epoch> {
 fn the_example_of_the_manual_is_read() {
     let (messages, counts) = decode(&[MANUAL.as_bytes()]);
     assert_eq!((counts.good, counts.bad_checksum, counts.malformed), (1, 0, 0));
-    let Content::Inspvax(said) = messages[0].content else { panic!("{messages:?}") };
-    assert_eq!((said.lat_deg, said.lon_deg), (51.11637873403, -114.03825114994));
-    assert_eq!((said.altitude_m, said.undulation_m), (1063.6093, -16.9));
-    assert_eq!(said.angles_deg, [0.138023492, 0.069459386, 90.000923268]);
+    let Content::Inspvax(solution) = messages[0].content else { panic!("{messages:?}") };
+    assert_eq!((solution.lat_deg, solution.lon_deg), (51.11637873403, -114.03825114994));
+    assert_eq!((solution.altitude_m, solution.undulation_m), (1063.6093, -16.9));
+    assert_eq!(solution.angles_deg, [0.138023492, 0.069459386, 90.000923268]);
     // Week 1695 began on 2012-07-01; UTC is 16 s behind GPS time: Wednesday 13:57:08 - 16 s.
-    assert_eq!(said.time().unwrap().to_string(), "2012-07-04T13:56:52.000000Z");
+    assert_eq!(solution.time().unwrap().to_string(), "2012-07-04T13:56:52.000000Z");
     let epochs = assemble(MANUAL.as_bytes());
     assert_eq!(epochs[0].height_m(VerticalDatum::MeanSeaLevel, 100.0), Some(1063.6093 - 16.9));
     assert_eq!(epochs[0].velocity_mps, Some([-0.0464, -0.0845]));
@@ -93,12 +93,12 @@ fn memory_is_bounded() {
 /// Messages of one epoch in any order make the same epoch.
 #[test]
 fn order_within_an_epoch_does_not_matter() {
-    let said = solution_of(3);
+    let solution = solution_of(3);
     let mut parts: Vec<Vec<u8>> = Sentence::ALL
         .into_iter()
         .map(|sentence| {
             let mut out = Vec::new();
-            Format::Nmea(vec![sentence]).write(&said, &mut out).unwrap();
+            Format::Nmea(vec![sentence]).write(&solution, &mut out).unwrap();
             out
         })
         .collect();
@@ -122,10 +122,10 @@ fn order_within_an_epoch_does_not_matter() {
 
 #[test]
 fn inspvax_completes_its_epoch_at_once() {
-    let said = solution_of(4);
+    let solution = solution_of(4);
     let write = |format: Format| {
         let mut out = Vec::new();
-        format.write(&said, &mut out).unwrap();
+        format.write(&solution, &mut out).unwrap();
         out
     };
     let gga = write(Format::Nmea(vec![Sentence::Gga, Sentence::Gst]));
@@ -140,7 +140,7 @@ fn inspvax_completes_its_epoch_at_once() {
 }
 
 #[test]
-fn a_solution_that_says_there_is_none_is_void() {
+fn a_solution_marked_invalid_is_void() {
     let (_, counts) = decode(&[MANUAL.as_bytes()]);
     assert_eq!(counts.void, 0);
     let body = MANUAL[1..MANUAL.rfind('*').unwrap()].replace("INS_SOLUTION_GOOD", "INS_ALIGNING");
@@ -172,14 +172,14 @@ fn leap_seconds() {
 /// What is found in the cuts of real logs.
 #[test]
 fn counts_of_real_logs() {
-    let told = |file: &str| {
+    let counts = |file: &str| {
         let bytes = std::fs::read(sources::repository(file)).unwrap();
         let (messages, counts) = decode(&[&bytes]);
         format!("{} messages, {counts:?}", messages.len())
     };
-    assert_snapshot!(told("tests/data/nav/gofree_merrimac_400.nmea"), @"37 messages, Counts { lines: 400, good: 37, bad_checksum: 0, unknown: 354, malformed: 9, void: 0 }");
-    assert_snapshot!(told("tests/data/nav/plaka_700.nmea"), @"219 messages, Counts { lines: 700, good: 219, bad_checksum: 0, unknown: 481, malformed: 0, void: 0 }");
-    assert_snapshot!(told("configs/tracks/cart.inspvax"), @"300 messages, Counts { lines: 0, good: 300, bad_checksum: 0, unknown: 0, malformed: 0, void: 0 }");
+    assert_snapshot!(counts("tests/data/nav/gofree_merrimac_400.nmea"), @"37 messages, Counts { lines: 400, good: 37, bad_checksum: 0, unknown: 354, malformed: 9, void: 0 }");
+    assert_snapshot!(counts("tests/data/nav/plaka_700.nmea"), @"219 messages, Counts { lines: 700, good: 219, bad_checksum: 0, unknown: 481, malformed: 0, void: 0 }");
+    assert_snapshot!(counts("configs/tracks/cart.inspvax"), @"300 messages, Counts { lines: 0, good: 300, bad_checksum: 0, unknown: 0, malformed: 0, void: 0 }");
 }
 
 fn any_stream() -> impl Strategy<Value = Vec<Vec<u8>>> {
@@ -243,8 +243,8 @@ proptest! {
         let (messages, counts) = decode(&[&stream]);
         prop_assert_eq!(counts.bad_checksum, 0);
         for message in messages {
-            if let Content::Inspvax(said) = message.content {
-                prop_assert!(said.lat_deg.abs() <= 90.0 && said.velocity_mps.iter().all(|v| v.is_finite()));
+            if let Content::Inspvax(solution) = message.content {
+                prop_assert!(solution.lat_deg.abs() <= 90.0 && solution.velocity_mps.iter().all(|v| v.is_finite()));
             }
         }
         assemble(&stream);

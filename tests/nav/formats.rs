@@ -33,7 +33,7 @@ fn a_recorded_cart_is_read() {
     let place = geodetic(first.place);
     assert!((place.lat_rad.to_degrees() - 43.404_083_561_565_2).abs() < 1e-9);
     assert!((place.lon_rad.to_degrees() + 80.470_222_635_887_9).abs() < 1e-9);
-    // The track turns as the velocity of the messages says: sums of velocity are differences of position, to
+    // The track turns as the velocity of the messages does: sums of velocity are differences of position, to
     // the 0.02 m/s and the corrections of the filter.
     let frame = nereus::frames::SceneFrame::at(place, nereus::frames::Earth::Flat);
     let way = frame.from_geodetic(geodetic(last.place)).unwrap() - Point::new(0.0, 0.0, 0.0);
@@ -67,15 +67,15 @@ fn whole_recordings_are_read() {
         return;
     };
     let file = |name: &str| std::path::Path::new(&folder).join(name);
-    let told = |name: &str| {
+    let text = |name: &str| {
         let mut decoder = nereus::nav::decode::Decoder::new();
         let bytes = std::fs::read(file(name)).unwrap();
         decoder.push(&bytes, &mut |_| {});
         decoder.finish(&mut |_| {});
         format!("{:?}", decoder.counts())
     };
-    assert_snapshot!(told("ship_gofree_merrimac.nmea"), @"Counts { lines: 6324, good: 568, bad_checksum: 0, unknown: 5614, malformed: 142, void: 0 }");
-    assert_snapshot!(told("ship_plaka_first20000.nmea"), @"Counts { lines: 20000, good: 6250, bad_checksum: 0, unknown: 13750, malformed: 0, void: 0 }");
+    assert_snapshot!(text("ship_gofree_merrimac.nmea"), @"Counts { lines: 6324, good: 568, bad_checksum: 0, unknown: 5614, malformed: 142, void: 0 }");
+    assert_snapshot!(text("ship_plaka_first20000.nmea"), @"Counts { lines: 20000, good: 6250, bad_checksum: 0, unknown: 13750, malformed: 0, void: 0 }");
     let capture = nereus::nav::pcap::load(&file("novatel_span_propak6_ins_ppp.pcap.gz")).unwrap();
     let mut decoder = nereus::nav::decode::Decoder::new();
     assert_eq!(capture.streams.len(), 1);
@@ -139,13 +139,13 @@ fn sbet_records() {
 
 #[test]
 fn faults_of_files() {
-    let told = |error: NavError| error.to_string();
+    let text = |error: NavError| error.to_string();
     let format = FileFormat::Sbet { gps_week: 2000 };
     let mut bad = record(2.0);
     (bad[1], bad[8]) = (53.0, f64::NAN);
     let mut bytes = sbet(&[record(1.0), bad, record(0.5), record(10.0), record(-1.0)]);
     bytes.push(0);
-    assert_snapshot!(told(replay::parse(&bytes, &source("t.sbet", format)).unwrap_err()), @r"
+    assert_snapshot!(text(replay::parse(&bytes, &source("t.sbet", format)).unwrap_err()), @r"
     t.sbet: 6 faults
       line 6: the file ends 1 bytes into a record of 136
       line 2: latitude = 53 is out of range: -1.5707963267948966 to 1.5707963267948966
@@ -154,12 +154,12 @@ fn faults_of_files() {
       line 3: time 2018-05-05T23:59:42.500000Z is not later than 2018-05-05T23:59:43.000000Z of the fix before: times must increase
       line 4: no fix for 9.000 s before 2018-05-05T23:59:52.000000Z; longest gap allowed: max_gap_s = 1.5 s; max_gap_s = 9 interpolates it
     ");
-    assert_snapshot!(told(replay::parse(&[], &source("t.sbet", format)).unwrap_err()), @r"
+    assert_snapshot!(text(replay::parse(&[], &source("t.sbet", format)).unwrap_err()), @r"
     t.sbet: 1 fault
       line 1: the file ends; usable fixes: 0, needed: at least 2
     ");
     let log = b"$GPHDT,1.0,T*23\r\n\xAA\x44\x12";
-    assert_snapshot!(told(replay::parse(log, &source("t.inspvax", FileFormat::Inspvax)).unwrap_err()), @r"
+    assert_snapshot!(text(replay::parse(log, &source("t.inspvax", FileFormat::Inspvax)).unwrap_err()), @r"
     t.inspvax: no usable fix: no INSPVAX message has a right checksum and a solution
       0 fixes over 0.000 s from 0 lines, longest gap 0.000 s; 1 with a wrong checksum skipped; 1 malformed skipped
     ");
@@ -167,7 +167,7 @@ fn faults_of_files() {
     for second in [0, 1, 5, 4, 9] {
         Format::InspvaxBinary.write(&solution_of(second), &mut log).unwrap();
     }
-    assert_snapshot!(told(replay::parse(&log, &source("t.inspvax", FileFormat::Inspvax)).unwrap_err()), @r"
+    assert_snapshot!(text(replay::parse(&log, &source("t.inspvax", FileFormat::Inspvax)).unwrap_err()), @r"
     t.inspvax: 2 faults
       line 3: no fix for 4.000 s before 2018-05-30T18:40:05.125000Z, the first of 2 gaps, the longest 4.000 s before 2018-05-30T18:40:05.125000Z; longest gap allowed: max_gap_s = 1.5 s; max_gap_s = 4 interpolates them all
       line 4: time 2018-05-30T18:40:04.125000Z is not later than 2018-05-30T18:40:05.125000Z of the fix before: times must increase

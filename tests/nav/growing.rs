@@ -114,7 +114,7 @@ fn fly(
 }
 
 #[test]
-fn what_was_told_stays_and_is_smooth() {
+fn what_was_reported_stays_and_is_smooth() {
     for (late_s, silent) in [(0.05, 0.0..0.0), (0.05, 20.0..30.0), (0.4, 20.0..23.0), (-0.5, 20.0..30.0)] {
         let live = LiveTrack::new(SceneFrame::plain(Earth::Flat), AttitudeSource::Recorded, 1.0, 0.5);
         let reported = fly(&live, late_s, silent.clone());

@@ -74,19 +74,19 @@ fn a_scenario_with_a_hundred_thousand_vessels_is_read_at_once() {
         );
         let log = format!("\n[[ais]]\nlog = \"log.csv\"\nstart_utc = \"2016-01-12T13:02:11Z\"\n{key}\n");
         let path = folder.path().join("s.toml");
-        let mut said = String::new();
+        let mut printed = String::new();
         let took = seconds(|| {
-            said =
+            printed =
                 config::parse(&(text + &log), &path, &[]).err().map_or_else(String::new, |e| e.to_string());
         });
-        assert!(said.contains(expected), "{}", &said[..said.len().min(2000)]);
+        assert!(printed.contains(expected), "{}", &printed[..printed.len().min(2000)]);
         assert!(took < VESSELS_S, "{key}: {took} s");
     }
 }
 
 /// A position report of class A (ITU-R M.1371-5, message 1) as a datagram of IPv4.
 fn datagram(vessel: u32, port: u16) -> Vec<u8> {
-    // 168 bits: type, repeat, MMSI, and a position that says nothing.
+    // 168 bits: type, repeat, MMSI, and a position that is not available.
     let bits = 1u64 << 58 | u64::from(200_000_000 + vessel) << 26;
     let letter = |value: u64| char::from(if value < 40 { value as u8 + 48 } else { value as u8 + 56 });
     let payload: String =

@@ -69,7 +69,7 @@ fn cut<'a>(stream: &'a [u8], lengths: &[usize]) -> Vec<&'a [u8]> {
     pieces
 }
 
-fn said(second: u32, format: &Format) -> Vec<u8> {
+fn message_of(second: u32, format: &Format) -> Vec<u8> {
     let mut out = Vec::new();
     format.write(&solution_of(second), &mut out).unwrap();
     out
@@ -77,11 +77,11 @@ fn said(second: u32, format: &Format) -> Vec<u8> {
 
 /// A whole epoch of sentences.
 fn epoch(second: u32) -> Vec<u8> {
-    said(second, &Format::Nmea(Sentence::ALL.to_vec()))
+    message_of(second, &Format::Nmea(Sentence::ALL.to_vec()))
 }
 
 fn inspvax(second: u32) -> Vec<u8> {
-    said(second, &Format::InspvaxBinary)
+    message_of(second, &Format::InspvaxBinary)
 }
 
 fn seconds(fixes: &[Fix]) -> Vec<f64> {
@@ -143,7 +143,7 @@ fn latency_of_messages() {
 /// Who has no height and no heading waits for them once, as long as it may, and then no longer.
 #[test]
 fn what_never_comes_is_not_waited_for_twice() {
-    let rmc = |second: u32| said(second, &Format::Nmea(vec![Sentence::Rmc]));
+    let rmc = |second: u32| message_of(second, &Format::Nmea(vec![Sentence::Rmc]));
     let mut decoder = decoder(3.0);
     let mut reported = Vec::new();
     let mut after = Vec::new();
@@ -193,7 +193,7 @@ fn clocks_that_step() {
 /// A wrong time stamp costs its own fix, and one that is believed two more.
 #[test]
 fn wrong_stamps_cost_little() {
-    let tell = |order: &[u32]| {
+    let read = |order: &[u32]| {
         let mut decoder = decoder(1.0);
         let mut reported = Vec::new();
         order.iter().for_each(|second| decoder.push(&inspvax(*second), &mut |fix| reported.push(fix)));
@@ -201,11 +201,11 @@ fn wrong_stamps_cost_little() {
         (seconds(&reported), counts.out_of_order, counts.clock_steps)
     };
     // 3 s ahead, less than two talkers may differ: it is the one that follows that counts.
-    assert_eq!(tell(&[30, 31, 34, 32, 33, 34, 35]), (vec![30.0, 31.0, 32.0, 33.0, 34.0, 35.0], 0, 1));
+    assert_eq!(read(&[30, 31, 34, 32, 33, 34, 35]), (vec![30.0, 31.0, 32.0, 33.0, 34.0, 35.0], 0, 1));
     // Two messages of another hour confirm each other; the third that follows from the old time on is
     // believed again.
     let reported = vec![30.0, 31.0, 91.0, 92.0, 34.0, 35.0];
-    assert_eq!(tell(&[30, 31, 91, 92, 32, 33, 34, 35]), (reported, 0, 3));
+    assert_eq!(read(&[30, 31, 91, 92, 32, 33, 34, 35]), (reported, 0, 3));
 }
 
 /// What waits is bounded by number where it is not by time.
@@ -224,14 +224,14 @@ fn not_more_than_so_many_wait() {
         completer.push(epoch, &mut |reported| fixes += u64::from(matches!(reported, Reported::Fix(_))));
         fixes
     };
-    // Nobody says a heading.
+    // No message has a heading.
     let mut headless = completer();
     let reported: Vec<u64> = (0..20_000).map(|n| fixes(&mut headless, at(n, Some(17_000)))).collect();
     let full = MOST as usize;
     assert!(reported[..full].iter().all(|fixes| *fixes == 0));
     assert_eq!(reported[full], MOST + 1);
     assert!(reported[full + 1..].iter().all(|fixes| *fixes == 1));
-    // Nobody says the date, until one does.
+    // No message has the date, until one does.
     let mut undated = completer();
     for n in 0..20_000 {
         assert_eq!(fixes(&mut undated, at(n, None)), 0);
@@ -240,7 +240,7 @@ fn not_more_than_so_many_wait() {
     assert_eq!(fixes(&mut undated, at(20_000, Some(17_000))), MOST + 1);
 }
 
-/// What a feed tells, and the feed.
+/// What a feed passes on, and the feed.
 struct Listening {
     feed: Feed,
     from: Receiver<ReceivedFix>,
@@ -295,7 +295,7 @@ mod terminals {
     fn garbage_and_half_sentences_on_a_port() {
         let (mut to, port_of) = TTYPort::pair().unwrap();
         let reported = Listening::open(port(Path::new(&port_of.name().unwrap())));
-        let gga = said(1, &Format::Nmea(vec![Sentence::Gga]));
+        let gga = message_of(1, &Format::Nmea(vec![Sentence::Gga]));
         let wrong = String::from_utf8(gga.clone()).unwrap().replace("GPGGA,1840", "GPGGA,1849");
         let stream = [
             b"\x00\xFF noise\r\n".as_slice(),
@@ -434,7 +434,7 @@ fn one_sender_at_a_time() {
 }
 
 #[test]
-fn datagrams_are_heard() {
+fn datagrams_are_received() {
     let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let reported = Listening::open(Origin::Udp(address));
     let from = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -496,7 +496,7 @@ fn a_file_is_replayed_in_time() {
 }
 
 #[test]
-fn what_cannot_be_opened_is_told() {
+fn what_cannot_be_opened_is_reported() {
     let refused =
         |origin: Origin| -> FeedError { Feed::open(&source(origin), "ship", start(), |_| {}).unwrap_err() };
     let file = refused(Origin::File("no/such.nmea".into())).to_string();
@@ -534,12 +534,12 @@ fn any_stream() -> impl Strategy<Value = Vec<u8>> {
                 sentences.rotate_left(usize::from(order) % 7);
                 for (place, sentence) in sentences.into_iter().enumerate() {
                     if which & (1 << place) != 0 {
-                        stream.extend(said(second, &Format::Nmea(vec![sentence])));
+                        stream.extend(message_of(second, &Format::Nmea(vec![sentence])));
                     }
                 }
             } else {
                 let format = if order & 1 == 0 { Format::InspvaxAscii } else { Format::InspvaxBinary };
-                stream.extend(said(second, &format));
+                stream.extend(message_of(second, &format));
             }
             stream.extend(garbage);
         }
@@ -574,7 +574,7 @@ proptest! {
     ) {
         let mut stream = Vec::new();
         for (second, garbage) in parts {
-            stream.extend(if second % 3 == 0 { inspvax(second) } else { said(second, &Format::Nmea(vec![Sentence::ALL[second as usize % 7]])) });
+            stream.extend(if second % 3 == 0 { inspvax(second) } else { message_of(second, &Format::Nmea(vec![Sentence::ALL[second as usize % 7]])) });
             stream.extend(garbage);
         }
         let (reported, last) = decoded(&[&stream], wait_s);

@@ -36,7 +36,7 @@ fn a_ship_at_its_mooring_among_ais_is_read() {
 }
 
 #[test]
-fn a_log_without_a_date_says_so() {
+fn a_log_without_a_date_is_refused() {
     let mut source = sources::nmea("plaka.nmea");
     let bytes = std::fs::read(sources::repository("tests/data/nav/plaka_700.nmea")).unwrap();
     assert_snapshot!(nmea::parse(&bytes, &source).unwrap_err(), @r#"
@@ -153,25 +153,25 @@ fn faults_and_empty_logs() {
     let rmc = |time: &str| sentence(&format!("GPRMC,{time},A,5300.000,N,00430.000,E,10.0,0.0,010720,,,A"));
     let mut source = sources::nmea("log.nmea");
     source.attitude = AttitudeSource::Level;
-    let told = |text: &str| nmea::parse(text.as_bytes(), &source).unwrap_err().to_string();
-    assert_snapshot!(told(&[rmc("120000"), rmc("120030"), rmc("115900")].concat()), @r#"
+    let message = |text: &str| nmea::parse(text.as_bytes(), &source).unwrap_err().to_string();
+    assert_snapshot!(message(&[rmc("120000"), rmc("120030"), rmc("115900")].concat()), @r#"
     log.nmea: 2 faults
       line 2: no fix for 30.000 s before 2020-07-01T12:00:30.000000Z; longest gap allowed: max_gap_s = 10 s; max_gap_s = 30 interpolates it
       line 3: time 2020-07-01T11:59:00.000000Z is not later than 2020-07-01T12:00:30.000000Z of the fix before: times must increase
     "#);
-    assert_snapshot!(told(""), @r#"
+    assert_snapshot!(message(""), @r#"
     log.nmea: no usable fix: no line is an NMEA 0183 sentence with a right checksum
       0 fixes over 0.000 s from 0 lines, longest gap 0.000 s
     "#);
-    assert_snapshot!(told("not NMEA\n"), @r#"
+    assert_snapshot!(message("not NMEA\n"), @r#"
     log.nmea: no usable fix: no line is an NMEA 0183 sentence with a right checksum
       0 fixes over 0.000 s from 1 lines, longest gap 0.000 s; 1 malformed skipped
     "#);
-    assert_snapshot!(told(&sentence("GPRMC,120000,V,,,,,,,010720,,,N")), @r#"
+    assert_snapshot!(message(&sentence("GPRMC,120000,V,,,,,,,010720,,,N")), @r#"
     log.nmea: no usable fix: no GGA, RMC or GLL sentence has a valid position and a time of day
       0 fixes over 0.000 s from 1 lines, longest gap 0.000 s; 1 void positions skipped
     "#);
-    assert_snapshot!(told(&rmc("120000")), @r#"
+    assert_snapshot!(message(&rmc("120000")), @r#"
     log.nmea: 1 fault
       line 1: the file ends; usable fixes: 1, needed: at least 2
     "#);

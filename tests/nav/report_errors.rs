@@ -136,15 +136,15 @@ fn sinusoid_step_and_ramp_are_exact() {
     for n in (0..2_000_000u64).step_by(997) {
         let t = times.emission(start, n);
         let t_s = n as f64 / 222.0;
-        let (truth, said) = (tracks.truth.state(t).unwrap(), tracks.reported.report(t).unwrap());
-        assert_eq!((said.age_s, said.flags), (0.0, 0));
+        let (truth, reported_now) = (tracks.truth.state(t).unwrap(), tracks.reported.report(t).unwrap());
+        assert_eq!((reported_now.age_s, reported_now.flags), (0.0, 0));
         let w = std::f64::consts::TAU * 0.3;
         let step = if t_s >= 3600.5 { -12.0 } else { 0.0 };
         let wanted = [2.5 * (w * t_s + 0.7).sin(), step, 0.01 * t_s];
         let moving = [2.5 * w * (w * t_s + 0.7).cos(), 0.0, 0.01];
-        let offset = (said.state.position - truth.position).to_array();
-        let drift = (said.state.velocity - truth.velocity).to_array();
-        let yaw = said.state.attitude.to_yaw_pitch_roll()[0] - truth.attitude.to_yaw_pitch_roll()[0];
+        let offset = (reported_now.state.position - truth.position).to_array();
+        let drift = (reported_now.state.velocity - truth.velocity).to_array();
+        let yaw = reported_now.state.attitude.to_yaw_pitch_roll()[0] - truth.attitude.to_yaw_pitch_roll()[0];
         for axis in 0..3 {
             worst_m = worst_m.max((offset[axis] - wanted[axis]).abs());
             worst_mps = worst_mps.max((drift[axis] - moving[axis]).abs());
@@ -172,22 +172,27 @@ fn late_reports_are_those_that_have_arrived() {
     let mut held: Option<(f64, f64)> = None;
     for n in 0..3000 {
         let t = times.emission(start, n);
-        let said = tracks.reported.report(t).unwrap();
-        let lost = said.flags & flags::REPORT_DROPOUT != 0;
+        let reported_now = tracks.reported.report(t).unwrap();
+        let lost = reported_now.flags & flags::REPORT_DROPOUT != 0;
         // The epoch is a whole number of sevenths of a second, not after the pulse.
-        let epoch = (n as f64 / 50.0 - said.age_s) * 7.0;
-        assert!((epoch - epoch.round()).abs() < 1e-6 && said.age_s >= 0.0, "{n}: {}", said.age_s);
-        let along = said.state.position - tracks.truth.state(t.plus(-said.age_s)).unwrap().position;
+        let epoch = (n as f64 / 50.0 - reported_now.age_s) * 7.0;
+        assert!(
+            (epoch - epoch.round()).abs() < 1e-6 && reported_now.age_s >= 0.0,
+            "{n}: {}",
+            reported_now.age_s
+        );
+        let along =
+            reported_now.state.position - tracks.truth.state(t.plus(-reported_now.age_s)).unwrap().position;
         let [east, north, _] = along.to_array();
         if lost {
             // Held: where it was, but for the white error East.
             assert!(north.abs() < 1e-6, "{n}: {north}");
             seen[0] += 1;
         } else {
-            assert!((north + 60.0 * said.age_s).abs() < 1e-6, "{n}: {north} {}", said.age_s);
+            assert!((north + 60.0 * reported_now.age_s).abs() < 1e-6, "{n}: {north} {}", reported_now.age_s);
             seen[1] += 1;
         }
-        let white = east - if lost { 0.0 } else { 120.0 * said.age_s };
+        let white = east - if lost { 0.0 } else { 120.0 * reported_now.age_s };
         // One report has one error, whatever pulse it is used for.
         if let Some((before, error)) = held
             && before == epoch.round()
@@ -246,11 +251,11 @@ fn quantised_reports_are_whole_steps_and_lever_arms_turn_with_the_body() {
     let model = ErrorModel { quantisation: [0.5, 0.25, 0.01], ..ErrorModel::default() };
     let (tracks, times, start) = flight(&model, 10.0, 100);
     for n in 0..100 {
-        let said = tracks.reported.state(times.emission(start, n)).unwrap();
+        let reported_now = tracks.reported.state(times.emission(start, n)).unwrap();
         let whole = |x: f64, step: f64| assert!((x / step - (x / step).round()).abs() < 1e-9, "{x} {step}");
-        said.position.to_array().iter().for_each(|x| whole(*x, 0.5));
-        said.velocity.to_array().iter().for_each(|x| whole(*x, 0.25));
-        said.attitude.to_yaw_pitch_roll().iter().for_each(|x| whole(*x, 0.01));
+        reported_now.position.to_array().iter().for_each(|x| whole(*x, 0.5));
+        reported_now.velocity.to_array().iter().for_each(|x| whole(*x, 0.25));
+        reported_now.attitude.to_yaw_pitch_roll().iter().for_each(|x| whole(*x, 0.01));
     }
     let model = ErrorModel { lever_arm_error: Vector::new(2.0, 0.0, 0.0), ..ErrorModel::default() };
     let (tracks, _, start) = flight(&model, 10.0, 100);
@@ -290,8 +295,8 @@ fn a_recorded_report_leaves_the_truth_beside_it() {
         let t = times.emission(start, n).plus(0.217);
         let t_s = n as f64 / 222.0 + 0.217;
         assert_eq!(both.reported.state(t).unwrap(), track.state(t).unwrap());
-        let (said, truth) = (track.state(t).unwrap(), both.truth.state(t).unwrap());
-        let error = said.position - truth.position;
+        let (reported_now, truth) = (track.state(t).unwrap(), both.truth.state(t).unwrap());
+        let error = reported_now.position - truth.position;
         let wanted = 2.0 * (std::f64::consts::TAU * 0.5 * t_s).sin();
         assert!((error.to_array()[0] - wanted).abs() < 1e-9, "{error:?}");
         north.push(error.to_array()[1] - 3.0);
@@ -370,9 +375,9 @@ proptest! {
         let of = Circumstances { seed, platform: 3, times: &times, pulses: 50, before_s: 100.0 };
         let reported = base.with_errors(&model, &of, start).unwrap();
         for t in [times.emission(start, n), start.plus(-100.0), start.plus(1e6)] {
-            let said = reported.report(t).unwrap();
-            let s = said.state;
-            prop_assert!(said.age_s.is_finite() && said.age_s >= 0.0);
+            let reported_now = reported.report(t).unwrap();
+            let s = reported_now.state;
+            prop_assert!(reported_now.age_s.is_finite() && reported_now.age_s >= 0.0);
             let q = s.attitude.to_wxyz();
             for x in s.position.to_array().iter().chain(&s.velocity.to_array()).chain(&s.angular_rate.to_array()).chain(&q) {
                 prop_assert!(x.is_finite());

@@ -26,9 +26,9 @@ pub fn solution_of(second: u32) -> Solution {
     }
 }
 
-fn read_back(format: &Format, said: &Solution) -> Fix {
+fn read_back(format: &Format, solution: &Solution) -> Fix {
     let mut out = Vec::new();
-    format.write(said, &mut out).unwrap();
+    format.write(solution, &mut out).unwrap();
     let epochs = assemble(&out);
     assert_eq!(epochs.len(), 1, "{}", String::from_utf8_lossy(&out));
     // The datum is that of the messages.
@@ -75,22 +75,22 @@ proptest! {
 
     /// To half of the last digit that is written, see the table of the module.
     #[test]
-    fn sentences_are_read_back(said in any_solution()) {
-        let fix = read_back(&Format::Nmea(Sentence::ALL.to_vec()), &said);
-        prop_assert!(fix.time.since(said.time).abs() <= 0.5e-9 + 1e-12);
+    fn sentences_are_read_back(solution in any_solution()) {
+        let fix = read_back(&Format::Nmea(Sentence::ALL.to_vec()), &solution);
+        prop_assert!(fix.time.since(solution.time).abs() <= 0.5e-9 + 1e-12);
         // Half of 1e-8 minutes (1.86 m a thousandth) along both axes, at heights up to 1000 km 16 % more;
         // height 5e-6 m; f64 of ECEF 1e-9 m a coordinate.
         let allowed_m = 1.16 * 1862e-8 / 2.0 * 2f64.sqrt() + 5e-6 + 3e-9;
-        prop_assert!(distance_m(said.place, fix.place) < allowed_m);
+        prop_assert!(distance_m(solution.place, fix.place) < allowed_m);
         prop_assert!(allowed_m < 1e-4);
-        let ([e, n, _], [fe, fn_]) = (said.velocity_mps.unwrap(), fix.velocity_mps.unwrap());
+        let ([e, n, _], [fe, fn_]) = (solution.velocity_mps.unwrap(), fix.velocity_mps.unwrap());
         let speed = e.hypot(n);
         // Half of 1e-4 kn along, half of 1e-4 deg across.
         prop_assert!((fe - e).hypot(fn_ - n) <= 0.5e-4 * 0.5145 + speed * 0.5e-4f64.to_radians() + 1e-9);
         // Half of 1e-4 deg about each of three axes.
-        let turn_rad = between_rad(said.yaw_pitch_roll_rad.unwrap(), fix.yaw_pitch_roll_rad.unwrap());
+        let turn_rad = between_rad(solution.yaw_pitch_roll_rad.unwrap(), fix.yaw_pitch_roll_rad.unwrap());
         prop_assert!(turn_rad <= 3.0 * 0.5e-4f64.to_radians() + 1e-9);
-        for (a, b) in [(said.sigma.position_m, fix.sigma.position_m), (said.sigma.angles_rad, fix.sigma.angles_rad)] {
+        for (a, b) in [(solution.sigma.position_m, fix.sigma.position_m), (solution.sigma.angles_rad, fix.sigma.angles_rad)] {
             prop_assert_eq!(a.is_some(), b.is_some());
             for (a, b) in a.iter().flatten().zip(b.iter().flatten()) {
                 // Half of 1e-4 and the rounding of f32.
@@ -101,27 +101,27 @@ proptest! {
 
     /// The label is the nearest millisecond, and the place that of the label.
     #[test]
-    fn inspvax_is_read_back(said in any_solution(), ascii in any::<bool>()) {
+    fn inspvax_is_read_back(solution in any_solution(), ascii in any::<bool>()) {
         let format = if ascii { Format::InspvaxAscii } else { Format::InspvaxBinary };
-        let fix = read_back(&format, &said);
-        let step_s = fix.time.since(said.time);
+        let fix = read_back(&format, &solution);
+        let step_s = fix.time.since(solution.time);
         prop_assert!(step_s.abs() <= 0.5e-3 + 1e-9);
-        let velocity = said.velocity_mps.unwrap();
+        let velocity = solution.velocity_mps.unwrap();
         let [e, n, u] = velocity;
-        let local = SceneFrame::at(said.place, Earth::Flat);
+        let local = SceneFrame::at(solution.place, Earth::Flat);
         let moved = local.to_ecef(Point::new(e * step_s, n * step_s, u * step_s)).unwrap();
         let Place::Geodetic(found) = fix.place else { panic!("not geodetic") };
         // Half of 1e-11 deg twice and of 1e-5 m; 6 m of way on a sphere of 6.3e6 m curve by 3e-6 m, near the
         // poles by way^2 tan(lat) / radius.
         let way_m = velocity.iter().map(|v| v * step_s).fold(0.0, f64::hypot);
-        let bend_m = way_m * way_m * (1.0 + said.place.lat_rad.tan().abs()) / 6.3e6;
+        let bend_m = way_m * way_m * (1.0 + solution.place.lat_rad.tan().abs()) / 6.3e6;
         let allowed_m = 1.6e-6 + 5e-6 + bend_m + 1e-8;
         prop_assert!((moved - found.to_ecef()).norm() <= allowed_m);
         let [fe, fn_] = fix.velocity_mps.unwrap();
         for (a, b) in [(e, fe), (n, fn_), (u, fix.climb_mps.unwrap())] {
             prop_assert!((a - b).abs() <= 0.5e-6 + 1e-9);
         }
-        let turn_rad = between_rad(said.yaw_pitch_roll_rad.unwrap(), fix.yaw_pitch_roll_rad.unwrap());
+        let turn_rad = between_rad(solution.yaw_pitch_roll_rad.unwrap(), fix.yaw_pitch_roll_rad.unwrap());
         prop_assert!(turn_rad <= 1e-9);
     }
 }
@@ -159,12 +159,12 @@ fn states_of_a_scene_are_turned_to_their_place() {
     let north = Vector::new(0.0, tilt.cos(), -tilt.sin());
     let attitude =
         Rotation::from_axes(north, Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, -tilt.sin(), -tilt.cos()));
-    let said = Solution::of_scene(&frame, TimeTag::default(), place, north * 100.0, attitude).unwrap();
-    let [e, n, u] = said.velocity_mps.unwrap();
+    let solution = Solution::of_scene(&frame, TimeTag::default(), place, north * 100.0, attitude).unwrap();
+    let [e, n, u] = solution.velocity_mps.unwrap();
     assert!(e.abs() < 1e-10 && (n - 100.0).abs() < 1e-10 && u.abs() < 1e-10, "{e} {n} {u}");
-    assert!(between_rad(said.yaw_pitch_roll_rad.unwrap(), [0.0; 3]) < 1e-12);
-    assert!((said.place.to_ecef() - there.to_ecef()).norm() < 1e-8);
-    assert_eq!(said.undulation_m, 30.0);
+    assert!(between_rad(solution.yaw_pitch_roll_rad.unwrap(), [0.0; 3]) < 1e-12);
+    assert!((solution.place.to_ecef() - there.to_ecef()).norm() < 1e-8);
+    assert_eq!(solution.undulation_m, 30.0);
     let nowhere = SceneFrame::plain(Earth::Flat);
     assert!(Solution::of_scene(&nowhere, TimeTag::default(), place, north, attitude).is_none());
 }
@@ -182,7 +182,7 @@ fn what_is_not_known_is_left_empty_or_refused() {
     );
     let epochs = assemble(text.as_bytes());
     assert_eq!((epochs[0].velocity_mps, epochs[0].yaw_pitch_roll_rad), (None, None));
-    let write = |said: &Solution| Format::InspvaxAscii.write(said, &mut Vec::new());
+    let write = |solution: &Solution| Format::InspvaxAscii.write(solution, &mut Vec::new());
     assert_eq!(write(&bare), Err(EncodeError::Incomplete));
     let far = Solution { velocity_mps: Some([f64::NAN, 0.0, 0.0]), ..solution_of(0) };
     assert_eq!(write(&far), Err(EncodeError::Range));
@@ -194,10 +194,10 @@ fn what_is_not_known_is_left_empty_or_refused() {
 #[test]
 fn the_crate_nmea_reads_the_sentences() {
     use nmea::ParseResult;
-    let said = solution_of(7);
+    let solution = solution_of(7);
     let mut out = Vec::new();
-    Format::Nmea(Sentence::ALL.to_vec()).write(&said, &mut out).unwrap();
-    let (lat, lon) = (said.place.lat_rad.to_degrees(), said.place.lon_rad.to_degrees());
+    Format::Nmea(Sentence::ALL.to_vec()).write(&solution, &mut out).unwrap();
+    let (lat, lon) = (solution.place.lat_rad.to_degrees(), solution.place.lon_rad.to_degrees());
     // Half of 1e-8 minutes.
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-10, "{a} {b}");
     let mut seen = Vec::new();
@@ -207,7 +207,7 @@ fn the_crate_nmea_reads_the_sentences() {
                 near(gga.latitude.unwrap(), lat);
                 near(gga.longitude.unwrap(), lon);
                 // An altitude of f32.
-                assert!((f64::from(gga.altitude.unwrap()) - (said.place.h_m - 43.25)).abs() < 1e-4);
+                assert!((f64::from(gga.altitude.unwrap()) - (solution.place.h_m - 43.25)).abs() < 1e-4);
                 seen.push("GGA");
             }
             ParseResult::RMC(rmc) => {
@@ -250,11 +250,11 @@ fn pynmea2_reads_the_sentences() {
         println!("skipped: no python3 with pynmea2");
         return;
     }
-    let said = solution_of(7);
+    let solution = solution_of(7);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sentences.nmea");
     let mut out = Vec::new();
-    Format::Nmea(Sentence::ALL.to_vec()).write(&said, &mut out).unwrap();
+    Format::Nmea(Sentence::ALL.to_vec()).write(&solution, &mut out).unwrap();
     std::fs::write(&path, out).unwrap();
     let script = "
 import sys, pynmea2
@@ -270,16 +270,16 @@ for line in open(sys.argv[1]):
     else: print('PASHR', m.true_heading, m.roll, m.pitch)
 ";
     let ended = std::process::Command::new("python3").args(["-c", script]).arg(&path).output().unwrap();
-    let told = String::from_utf8_lossy(&ended.stdout).into_owned();
-    assert!(ended.status.success(), "{told}{}", String::from_utf8_lossy(&ended.stderr));
-    let lines: Vec<Vec<&str>> = told.lines().map(|line| line.split(' ').collect()).collect();
+    let decoded = String::from_utf8_lossy(&ended.stdout).into_owned();
+    assert!(ended.status.success(), "{decoded}{}", String::from_utf8_lossy(&ended.stderr));
+    let lines: Vec<Vec<&str>> = decoded.lines().map(|line| line.split(' ').collect()).collect();
     let kinds: Vec<&str> = lines.iter().map(|line| line[0]).collect();
-    assert_eq!(kinds, ["GGA", "RMC", "VTG", "HDT", "ZDA", "GST", "PASHR"], "{told}");
+    assert_eq!(kinds, ["GGA", "RMC", "VTG", "HDT", "ZDA", "GST", "PASHR"], "{decoded}");
     let figure = |line: usize, at: usize| lines[line][at].parse::<f64>().unwrap();
     // Half of 1e-8 minutes.
-    assert!((figure(0, 1) - said.place.lat_rad.to_degrees()).abs() < 1e-10);
-    assert!((figure(0, 2) - said.place.lon_rad.to_degrees()).abs() < 1e-10);
-    assert!((figure(0, 3) + figure(0, 4) - said.place.h_m).abs() < 1e-5);
+    assert!((figure(0, 1) - solution.place.lat_rad.to_degrees()).abs() < 1e-10);
+    assert!((figure(0, 2) - solution.place.lon_rad.to_degrees()).abs() < 1e-10);
+    assert!((figure(0, 3) + figure(0, 4) - solution.place.h_m).abs() < 1e-5);
     assert!((figure(2, 1) * 1852.0 / 3600.0 - 13.5f64.hypot(111.2)).abs() < 1e-4);
     assert_eq!((figure(5, 1), figure(5, 2)), (0.25, 1.0));
     assert!((figure(6, 1).to_radians() - 6.2).abs() < 1e-6);

@@ -94,39 +94,39 @@ fn nothing_is_extrapolated() {
 }
 
 #[test]
-fn faults_of_building_are_told() {
-    let told = |fixes: &[Fix], frame: &SceneFrame, source: &FileSource| {
+fn faults_of_building_are_reported() {
+    let message = |fixes: &[Fix], frame: &SceneFrame, source: &FileSource| {
         Track::recorded(fixes, frame, source).unwrap_err().to_string()
     };
     let frame = plain();
     let level = source(AttitudeSource::Level);
-    assert_snapshot!(told(&helix_fixes(&[0.0]), &frame, &level), @"helix.csv: usable fixes: 1, needed: at least 2");
-    assert_snapshot!(told(&helix_fixes(&[0.0, 2.0, 1.0]), &frame, &level), @"helix.csv: fix 2 (2018-05-30T18:40:01.123456Z) is not finite or not later than the one before");
-    assert_snapshot!(told(&helix_fixes(&[0.0, 1.0]), &frame, &source(AttitudeSource::Recorded)), @"helix.csv: attitude = recorded, but 2 of 2 fixes have none");
+    assert_snapshot!(message(&helix_fixes(&[0.0]), &frame, &level), @"helix.csv: usable fixes: 1, needed: at least 2");
+    assert_snapshot!(message(&helix_fixes(&[0.0, 2.0, 1.0]), &frame, &level), @"helix.csv: fix 2 (2018-05-30T18:40:01.123456Z) is not finite or not later than the one before");
+    assert_snapshot!(message(&helix_fixes(&[0.0, 1.0]), &frame, &source(AttitudeSource::Recorded)), @"helix.csv: attitude = recorded, but 2 of 2 fixes have none");
     let mut there = helix_fixes(&[0.0, 1.0, 2.0]);
     for (i, fix) in there.iter_mut().enumerate() {
         fix.place = Place::Geodetic(Geodetic::from_deg(53.0 + 1e-6 * i as f64, 4.5, 0.0));
     }
-    assert_snapshot!(told(&there, &frame, &level), @"helix.csv: positions are latitudes and longitudes, but the scene is a plain local frame; give the scene an origin, or the track x_m, y_m, z_m");
+    assert_snapshot!(message(&there, &frame, &level), @"helix.csv: positions are latitudes and longitudes, but the scene is a plain local frame; give the scene an origin, or the track x_m, y_m, z_m");
     // 0.1 m/s is no heading.
     let origin = SceneFrame::at(Geodetic::from_deg(53.0, 4.5, 42.0), Earth::Flat);
-    assert_snapshot!(told(&there, &origin, &level), @"helix.csv: the heading is to follow the motion, but at 2018-05-30T18:40:00.123456Z the horizontal speed is 0.111 m/s; needed: at least 1 m/s, or a recorded or constant attitude");
+    assert_snapshot!(message(&there, &origin, &level), @"helix.csv: the heading is to follow the motion, but at 2018-05-30T18:40:00.123456Z the horizontal speed is 0.111 m/s; needed: at least 1 m/s, or a recorded or constant attitude");
     let constant = AttitudeSource::Constant(Rotation::from_yaw_pitch_roll(1.0, 0.0, 0.0));
     assert!(Track::recorded(&there, &origin, &source(constant)).is_ok());
     let mut spinning = helix_fixes(&[0.0, 1.0, 2.0]);
     for (i, fix) in spinning.iter_mut().enumerate() {
         fix.yaw_pitch_roll_rad = Some([2.0 * i as f64, 0.0, 0.0]);
     }
-    assert_snapshot!(told(&spinning, &frame, &source(AttitudeSource::Recorded)), @r#"helix.csv: the attitude turns by 114.6 deg to the fix at 2018-05-30T18:40:01.123456Z; allowed: 90 deg between fixes; where it is derived from noisy fixes, track.smoothing (kind = "rts") evens them out; track.attitude = "constant" takes none from the file"#);
+    assert_snapshot!(message(&spinning, &frame, &source(AttitudeSource::Recorded)), @r#"helix.csv: the attitude turns by 114.6 deg to the fix at 2018-05-30T18:40:01.123456Z; allowed: 90 deg between fixes; where it is derived from noisy fixes, track.smoothing (kind = "rts") evens them out; track.attitude = "constant" takes none from the file"#);
     let rts = |max_acceleration_mps2| FileSource {
         smoothing: Smoothing::Rts { horizontal_sigma_m: 1.0, vertical_sigma_m: 1.0, max_acceleration_mps2 },
         ..source(AttitudeSource::Level)
     };
     let times: Vec<f64> = (0..120).map(f64::from).collect();
     // The helix is flown with 5 m/s^2.
-    assert_snapshot!(told(&helix_fixes(&times), &frame, &rts(2.0)), @"helix.csv: even the smoothest track through the fixes reaches 2.519 m/s^2; allowed: 2 m/s^2");
+    assert_snapshot!(message(&helix_fixes(&times), &frame, &rts(2.0)), @"helix.csv: even the smoothest track through the fixes reaches 2.519 m/s^2; allowed: 2 m/s^2");
     assert!(Track::recorded(&helix_fixes(&times), &frame, &rts(5.5)).is_ok());
-    assert_snapshot!(told(&helix_fixes(&times), &frame, &rts(-1.0)), @"helix.csv: max_acceleration_mps2 = -1 is not allowed: 0.0001 to 10000");
+    assert_snapshot!(message(&helix_fixes(&times), &frame, &rts(-1.0)), @"helix.csv: max_acceleration_mps2 = -1 is not allowed: 0.0001 to 10000");
     let place = Place::Geodetic(Geodetic::from_deg(53.0, 4.5, 0.0));
     let straight = TrackSource::Straight { place, velocity: Vector::new(0.0, 0.0, 1.0), attitude: None };
     assert_snapshot!(Track::from_source(&straight, &origin, start()).unwrap_err(), @"the heading is to follow the motion, but the horizontal velocity is zero; give an attitude");
@@ -177,7 +177,7 @@ fn attitude_of_a_fix_is_relative_to_its_own_vertical() {
     }
 }
 
-/// Central differences of the track against what it says of itself, close to and across nodes.
+/// Central differences of the track against its own derivatives, close to and across nodes.
 fn check_smoothness(track: &Track, nodes: &[TimeTag], scale_mps2: f64) {
     let (first, last) = track.span().unwrap();
     for node in nodes {

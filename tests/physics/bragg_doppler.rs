@@ -1,4 +1,5 @@
-//! Bragg waves that travel: Doppler spectra of a small patch from its exact paths, against what the waves are.
+//! Bragg waves that travel: Doppler spectra of a small patch from its exact paths, against what the waves
+//! are.
 //!
 //! Facets have random phases, so the spectrum of the patch is the sum of those of its facets.
 
@@ -225,8 +226,8 @@ fn centroids_hz(incidence_deg: f64, towards_deg: f64, of: (BraggWaves, Modulatio
 }
 
 /// Bragg's own line and the drift bring centroids to what is measured. A linear sea is the same upwind and
-/// downwind: half the difference of both is compared, of which 89 to 94 % are here. The rest, and the 3 to 9 Hz
-/// by which measured ones are larger upwind, is that of short waves that long ones modulate (below) and of
+/// downwind: half the difference of both is compared, of which 89 to 94 % are here. The rest, and the 3 to 9
+/// Hz by which measured ones are larger upwind, is that of short waves that long ones modulate (below) and of
 /// breaking waves.
 #[test]
 fn centroids_in_c_band_are_near_those_of_cdop() {
@@ -246,8 +247,8 @@ fn centroids_in_c_band_are_near_those_of_cdop() {
     }
 }
 
-/// Short waves that long ones modulate add Doppler both ways: half the difference of upwind and downwind comes
-/// nearer to what is measured.
+/// Short waves that long ones modulate add Doppler both ways: half the difference of upwind and downwind
+/// comes nearer to what is measured.
 #[test]
 fn modulation_moves_centroids_in_c_band_towards_cdop() {
     let drifting = BraggWaves::Travelling { drift_share: 0.03, drift_turn_rad: 0.0 };

@@ -239,8 +239,8 @@ fn the_echo_has_the_mean_of_the_law_and_the_doppler_of_breakers_for_facets_of_an
         );
         // How much of so small a sea is steep.
         assert!((count / alive - 1.0).abs() < 0.15, "{count} {alive}");
-        // Of one breaker <P^2>/<P>^2 = 10.8: 2 for areas of one speed, 2.77 for speeds (c^4 under c^-8), 1.944 for
-        // the envelope. Four deviations of the mean of so many.
+        // Of one breaker <P^2>/<P>^2 = 10.8: 2 for areas of one speed, 2.77 for speeds (c^4 under c^-8),
+        // 1.944 for the envelope. Four deviations of the mean of so many.
         let allowed = 4.0 * f64::sqrt(9.8 / count);
         let each = ratios.map(|ratio| ratio * alive / count);
         assert!(each.iter().all(|ratio| (ratio - 1.0).abs() < allowed), "{each:?}, allowed {allowed}");

@@ -267,7 +267,7 @@ fn noise_is_that_of_the_receiver_and_comes_when_asked() {
 
 /// The tables of the page hold in the run of the page.
 #[test]
-fn the_page_says_what_the_run_makes() {
+fn the_page_has_the_figures_of_the_run() {
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/calibration.md")).unwrap();
     let row = |what: &str| -> Vec<f64> {
         let line = page.lines().find(|line| line.starts_with(&format!("| {what} |"))).unwrap();
@@ -279,12 +279,12 @@ fn the_page_says_what_the_run_makes() {
     let tone: Vec<Vec<Complex64>> = made.iter().map(|pulse| channel(pulse, 1)).collect();
     let degrees = |a: Complex64, b: Complex64| (a * b.conj()).arg().to_degrees();
     // The last digit of the page.
-    let near = |found: f64, told: f64, digit: f64| {
-        assert!((found - told).abs() <= 0.5 * digit * 1.01, "{found} {told}")
+    let near = |found: f64, tabled: f64, digit: f64| {
+        assert!((found - tabled).abs() <= 0.5 * digit * 1.01, "{found} {tabled}")
     };
-    let told = row("power of every sample");
-    near(20.0 * tone[0][0].norm().log10(), told[0], 1e-3);
-    near(tone[0][0].norm(), told[1], 1e-9);
+    let tabled = row("power of every sample");
+    near(20.0 * tone[0][0].norm().log10(), tabled[0], 1e-3);
+    near(tone[0][0].norm(), tabled[1], 1e-9);
     near(tone[0][0].arg().to_degrees(), row("phase of the first sample of pulse 0")[0], 1e-3);
     near(degrees(tone[0][1], tone[0][0]), row("from sample to sample")[0], 1e-4);
     near(degrees(tone[1][0], tone[0][0]), row("from pulse to pulse")[0], 1e-3);
@@ -310,7 +310,7 @@ fn the_page_says_what_the_run_makes() {
     assert_eq!(peak, 123);
     let clocks = scenario(&[("receiver.0.clock.offset_s", "1e-11")]);
     let turned = degrees(channel(&pulses(&clocks, &[0])[0], 1)[0], tone[0][0]);
-    let said: f64 =
+    let turn_deg: f64 =
         page.split("`offset_s = 1e-11` that is ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
-    near(turned, said, 1e-2);
+    near(turned, turn_deg, 1e-2);
 }

@@ -82,7 +82,8 @@ fn a_single_wave_is_gerstners() {
         let (a, begin) = (2.0 * drawn.norm(), drawn.arg());
         assert!(k * a > 0.05, "nothing to be seen of {number:?}");
         let (patch, of) = fields(&surface, Some(Choppy::of(&surface)), 4.7);
-        // Slopes squared over horizontal space, and times the cosine of the phase: above and below the mean level.
+        // Slopes squared over horizontal space, and times the cosine of the phase: above and below the mean
+        // level.
         let (mut square, mut upper) = (0.0, 0.0);
         for i in 0..patch.len() {
             let [x, y] = patch.centre_m(patch.key(i));
@@ -105,7 +106,8 @@ fn a_single_wave_is_gerstners() {
                 assert!((found - wanted).abs() < 1e-9, "{number:?} facet {i}, {n}: {found} {wanted}");
             }
         }
-        // Integrals of sin^2/(1 - e cos) and sin^2 cos/(1 - e cos), e the steepness; half of e^2 and none of linear waves.
+        // Integrals of sin^2/(1 - e cos) and sin^2 cos/(1 - e cos), e the steepness; half of e^2 and none of
+        // linear waves.
         let e = k * a;
         let root = (1.0 - e * e).sqrt();
         let crests = (1.0 - root - 0.5 * e * e) / e;
@@ -127,8 +129,8 @@ fn moments(height_m: &[f64], weight: impl Fn(usize) -> f64) -> [f64; 3] {
     [first, mean(2, first), mean(3, first)]
 }
 
-/// What choppy waves add to the skewness of the same linear ones, the mean level over horizontal space, m, and the
-/// largest error of the area, over some seeds.
+/// What choppy waves add to the skewness of the same linear ones, the mean level over horizontal space, m,
+/// and the largest error of the area, over some seeds.
 fn added(of: impl Fn(u64) -> Surface, seeds: u64, expected: impl Fn(&Surface) -> f64) -> [f64; 4] {
     let mut ratios = Vec::new();
     let (mut level_m, mut area) = (0.0, 0f64);
@@ -327,7 +329,8 @@ fn facets_return_by_their_area() {
         worst = worst.max((choppy[i] / linear[i] / of.area[i] - 1.0).abs());
         least = least.min(of.area[i]);
     }
-    let total = choppy.iter().sum::<f64>() / linear.iter().sum::<f64>();
-    println!("areas from {least:.3}, powers off them by {worst:.1e}, in all {total:.4}");
-    assert!(least < 0.95 && worst < 0.01 && (total - 1.0).abs() < 2e-3, "{least} {worst} {total}");
+    // Crests that crowd are as many as troughs that spread: of the area, and so of the mean power.
+    let mean = of.area.iter().sum::<f64>() / 576.0;
+    println!("areas from {least:.3}, {mean:.6} in the mean, powers off them by {worst:.1e}");
+    assert!(least < 0.95 && worst < 0.01 && (mean - 1.0).abs() < 1e-3, "{least} {worst} {mean}");
 }

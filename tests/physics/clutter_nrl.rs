@@ -129,13 +129,15 @@ fn winds_and_sea_states_are_those_of_the_report() {
 #[test]
 fn outside_the_measurements_is_an_error_in_words() {
     let sea = SeaState::new(3.0).unwrap();
-    let told = |carrier_hz, grazing_deg: f64| {
+    let message = |carrier_hz, grazing_deg: f64| {
         sigma0(carrier_hz, grazing_deg.to_radians(), sea).unwrap_err().to_string()
     };
-    assert_eq!(told(0.4e9, 1.0), "NRL sea clutter model: carrier is 0.4 GHz, allowed 0.5 to 35 GHz");
-    assert!(told(10e9, 60.1).contains("grazing angle is 60.1"));
-    assert!(told(10e9, 0.09).contains("allowed 0.1 to 60 degrees"));
-    assert!(told(f64::NAN, 1.0).contains("carrier is NaN") && told(10e9, f64::NAN).contains("angle is NaN"));
+    assert_eq!(message(0.4e9, 1.0), "NRL sea clutter model: carrier is 0.4 GHz, allowed 0.5 to 35 GHz");
+    assert!(message(10e9, 60.1).contains("grazing angle is 60.1"));
+    assert!(message(10e9, 0.09).contains("allowed 0.1 to 60 degrees"));
+    assert!(
+        message(f64::NAN, 1.0).contains("carrier is NaN") && message(10e9, f64::NAN).contains("angle is NaN")
+    );
     assert_eq!(
         SeaState::new(7.0).unwrap_err().to_string(),
         "NRL sea clutter model: sea state is 7, allowed 0 to 6"

@@ -162,9 +162,9 @@ fn many_faults_are_counted() {
 proptest! {
     #![proptest_config(crate::cases::proptests(256))]
 
-    /// Spoiled tables: a hull or faults, never a panic.
+    /// Corrupt tables: a hull or faults, never a panic.
     #[test]
-    fn spoiled_tables_never_panic(at in 0usize..60, with in "[-0-9.,enax#\n/_ ]{0,4}", cut in 0usize..60) {
+    fn corrupt_tables_never_panic(at in 0usize..60, with in "[-0-9.,enax#\n/_ ]{0,4}", cut in 0usize..60) {
         let mut text = TABLE.to_owned();
         let at = at.min(text.len());
         let end = (at + cut).min(text.len());

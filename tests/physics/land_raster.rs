@@ -25,7 +25,7 @@ fn sound() -> Georeference {
     Georeference::geographic([9.99, 54.01], [1e-3, 1e-3])
 }
 
-/// What is said of a raster of 20 x 20 heights.
+/// What is refused of a raster of 20 x 20 heights.
 fn refused(at: &Georeference, heights_m: &[f32]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("coast.tif");
@@ -41,8 +41,8 @@ fn heights_are_those_of_the_raster_in_both_kinds_of_coordinates() {
     let plane = |[x, y]: [f64; 2]| 30.0 + 0.1 * x - 0.2 * y;
     around(&geographic, [0.0, 0.0], 100, 10.0, plane);
     // Zone 32 has its central meridian at 9 degrees: North of its grid is turned against that of the scene by
-    // 1 degree times the sine of the latitude. The origin lies at 565548.52 m East, 5983984.46 m North by Snyder's
-    // series (USGS Professional Paper 1395, eqs. 8-9 and 8-10), which is not the one of the program.
+    // 1 degree times the sine of the latitude. The origin lies at 565548.52 m East, 5983984.46 m North by
+    // Snyder's series (USGS Professional Paper 1395, eqs. 8-9 and 8-10), which is not the one of the program.
     let (east_m, north_m) = (565_548.518, 5_983_984.455);
     let turn = (0.809f64).to_radians();
     let heights: Vec<f32> = (0..100 * 100)
@@ -152,19 +152,19 @@ fn what_is_wrong_with_a_raster_is_named() {
         ),
     ];
     for (at, expected) in cases {
-        let said = refused(&at, &flat);
-        println!("{said}");
-        assert!(said.contains(expected) && said.starts_with("land.dem "), "{said}");
+        let message = refused(&at, &flat);
+        println!("{message}");
+        assert!(message.contains(expected) && message.starts_with("land.dem "), "{message}");
     }
     let mut odd = flat.clone();
     (odd[45], odd[46]) = (f32::NAN, -32_768.0);
-    let said = refused(&sound(), &odd);
-    assert!(said.contains("2 cells without a height") && said.contains("column 5, row 2"), "{said}");
+    let message = refused(&sound(), &odd);
+    assert!(message.contains("2 cells without a height") && message.contains("column 5, row 2"), "{message}");
     // All at once.
-    let said = refused(&Georeference { scale: None, tie: None, keys: None, ..sound() }, &odd);
+    let message = refused(&Georeference { scale: None, tie: None, keys: None, ..sound() }, &odd);
     assert!(
-        ["neither pixel scale", "no GeoKeys", "2 cells"].iter().all(|part| said.contains(part)),
-        "{said}"
+        ["neither pixel scale", "no GeoKeys", "2 cells"].iter().all(|part| message.contains(part)),
+        "{message}"
     );
 }
 
@@ -179,8 +179,8 @@ fn a_raster_must_hold_the_corners_of_the_outermost_facets() {
         Dem::open(&land(&path, 0.0), frame(), 1, &[wide])
     };
     // 190 m hold all centres, 210 m all corners.
-    let said = open(19).unwrap_err().to_string();
-    assert!(said.contains("does not cover the patch"), "{said}");
+    let message = open(19).unwrap_err().to_string();
+    assert!(message.contains("does not cover the patch"), "{message}");
     let dem = open(21).unwrap();
     for corner in [[-125.0, -125.0], [75.0, -125.0], [-125.0, 75.0], [75.0, 75.0]] {
         assert!((dem.height_m(corner) - 80.0).abs() < 1e-9, "{corner:?}");
@@ -188,7 +188,7 @@ fn a_raster_must_hold_the_corners_of_the_outermost_facets() {
 }
 
 #[test]
-fn a_scene_that_lies_nowhere_has_no_land() {
+fn a_scene_that_is_not_georeferenced_has_no_land() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("coast.tif");
     write(&path, [20, 20], &sound(), &[5.0; 400]);
@@ -217,6 +217,6 @@ fn corrupt_files_are_refused() {
             let _ = Raster::parse(&corrupt);
         }
     }
-    let said = Raster::parse(b"GIF89a").unwrap_err();
-    assert!(matches!(&said[..], [RasterFault::NoTiff(_)]), "{said:?}");
+    let message = Raster::parse(b"GIF89a").unwrap_err();
+    assert!(matches!(&message[..], [RasterFault::NoTiff(_)]), "{message:?}");
 }

@@ -111,7 +111,8 @@ fn facets_have_the_power_of_their_place_on_the_waves() {
     let t_s = 40.0 / scene().radar.emissions.mean_prf_hz();
     for i in (0..576).step_by(13) {
         let place_m = patch.centre_m(patch.key(i));
-        // The radar stands 17 km in the East: the direction of the Bragg wave is that to a place of the patch.
+        // The radar stands 17 km in the East: the direction of the Bragg wave is that to a place of the
+        // patch.
         let b = [17_320.5 - place_m[0], -place_m[1]];
         let b = b.map(|c| c / b[0].hypot(b[1]));
         let [m, variance] = modulation(&surface, rate_per_s, b, place_m, t_s);
@@ -139,8 +140,8 @@ impl CBand {
         Self { wind, drawn, scatters, rate_per_s }
     }
 
-    /// Mean VV and HH upwind, crosswind, downwind on facets of a size, of drawn seas (0: of none, as a table), and the
-    /// same of facets that are not modulated.
+    /// Mean VV and HH upwind, crosswind, downwind on facets of a size, of drawn seas (0: of none, as a
+    /// table), and the same of facets that are not modulated.
     fn means(&self, facet_m: f64, incidence_deg: f64) -> [[[f64; 2]; 3]; 2] {
         let water = SeaWater { temperature_c: 20.0, salinity_gpkg: 35.0 };
         let medium = Medium {
@@ -210,8 +211,8 @@ impl CBand {
     }
 }
 
-/// CMOD5.n (Hersbach 2010, J. Atmos. Oceanic Technol. 27, 721): what VV in C band returns upwind, crosswind and
-/// downwind over its mean, from its coefficients.
+/// CMOD5.n (Hersbach 2010, J. Atmos. Oceanic Technol. 27, 721): what VV in C band returns upwind, crosswind
+/// and downwind over its mean, from its coefficients.
 fn cmod5n(v: f64, incidence_deg: f64) -> [f64; 3] {
     let x = (incidence_deg - 40.0) / 25.0;
     let b1 = 0.0066 * v * (0.5 + x - (4.0 * (x + 0.3222 + 0.0120 * v)).tanh());

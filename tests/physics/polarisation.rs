@@ -115,7 +115,7 @@ fn ports_of_an_aperture_are_orthogonal_far_off_its_boresight() {
     assert!((of_v.norm() / vv.norm() - expected * expected).abs() < 1e-12, "{of_v} {vv}");
 }
 
-/// Isotropic antennas over a flat earth hear H of each other in H alone, wherever they look.
+/// Isotropic antennas over a flat earth receive H of each other in H alone, wherever they look.
 #[test]
 fn the_direct_path_between_isotropic_antennas() {
     let mut scene = monostatic(&Pattern::Isotropic { gain_dbi: 0.0 }, &AHEAD);

@@ -120,7 +120,7 @@ fn a_sphere_is_the_same_in_h_and_v() {
         assert!((hh - vv).norm() < 1e-15 * hh.norm() && hv.norm().max(vh.norm()) < 1e-15 * hh.norm());
         assert!(hh.re > 0.0);
     }
-    // Circular: an odd in-flight acceleration turns the hand.
+    // Circular: an odd number of reflections turns the hand.
     use Polarisation::{L, R};
     scene.radar.channels = channels(&[(R, R), (L, R), (R, L), (L, L)]);
     let tracks = [straight(&scene, [0.0, -3e3, 3e3], [0.0; 3]), straight(&scene, [0.0, -3e3, 3e3], [0.0; 3])];
@@ -200,7 +200,7 @@ fn turned(original: &Scene) {
 #[test]
 fn roll_turns_the_polarisation() {
     let mut scene = scene();
-    // Both antennas bolted to one aircraft that flies north level and scattering epochs ahead at a target at
+    // Both antennas bolted to one aircraft that flies north level and looks ahead at a target at
     // its height.
     for mount in [&mut scene.radar.transmitters[0].antenna, &mut scene.radar.receivers[0].antenna] {
         mount.platform = 0;

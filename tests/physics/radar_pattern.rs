@@ -95,7 +95,7 @@ fn odd_files() {
     assert_eq!(fault(text.as_bytes()), [PatternFault::TooMany]);
     let missing = GridPattern::open(std::path::Path::new("no/such/pattern.csv"), -60.0);
     assert!(matches!(missing, Err(PatternError::Read { .. })));
-    // A long list of faults is cut, and says so.
+    // A long list of faults is cut, and ends with their number.
     let text = format!("az_deg,el_deg,gain_dbi\n{}", "x,y,z\n".repeat(100));
     assert!(matches!(fault(text.as_bytes()).last(), Some(PatternFault::More(280))));
 }

@@ -130,7 +130,7 @@ fn a_mount_without_angles_is_a_servo_that_points_ahead() {
             assert!((bolted * axis - servo * axis).norm() < 1e-12);
         }
     }
-    // Positive yaw scattering epochs to starboard (east when heading north), positive pitch up.
+    // Positive yaw looks to starboard (east when heading north), positive pitch up.
     let east = boresight(fixed_mount(std::f64::consts::FRAC_PI_2, 0.0, 0.0).then(level()));
     assert!((east - Vector::new(1.0, 0.0, 0.0)).norm() < 1e-15);
     let up = boresight(fixed_mount(0.0, 0.5, 0.0).then(level()));

@@ -16,7 +16,7 @@ pub fn level() -> Rotation<Body, Enu> {
     Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0)
 }
 
-/// Isotropic antenna of 0 dBi that scattering epochs at a ground point from platform `platform`.
+/// Isotropic antenna of 0 dBi that looks at a ground point from platform `platform`.
 pub fn pointed_at(platform: usize, target: [f64; 3]) -> AntennaMount {
     AntennaMount {
         platform,

@@ -45,7 +45,7 @@ fn brute_force(scene: &Scene, tracks: &[PlatformTracks], index: u64, window_star
     let radar = &scene.radar;
     let guard = GUARD_SAMPLES as f64 / radar.sample_rate_hz;
     let close = window_start_s + radar.window.samples as f64 / radar.sample_rate_hz;
-    let mut heard = Vec::new();
+    let mut received = Vec::new();
     for e in 0..scene.pulses {
         let t = radar.emissions.emission(scene.start, e);
         let end = |i: usize| PhaseCentre::of(&tracks[i].truth.state(t).unwrap(), Vector::ZERO);
@@ -65,11 +65,11 @@ fn brute_force(scene: &Scene, tracks: &[PlatformTracks], index: u64, window_star
         for delay in delays {
             let begin = offset + delay;
             if begin <= close + guard && begin + PULSE_S >= window_start_s - guard {
-                heard.push((offset, delay));
+                received.push((offset, delay));
             }
         }
     }
-    heard
+    received
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn a_folded_window_receives_the_older_pulse() {
 }
 
 #[test]
-fn flags_tell_partly_and_wholly_outside() {
+fn flags_distinguish_partly_and_wholly_outside() {
     let mut scene = scene();
     let tracks =
         [straight(&scene, [-3000.0, 0.0, 0.0], [0.0; 3]), straight(&scene, [-3000.0, 0.0, 0.0], [0.0; 3])];
@@ -146,10 +146,10 @@ fn alternating_polarisations() {
     let (paths, record) = pulse(&scene, &tracks, 2000);
     assert_eq!(record.tx_pol, H.code());
     assert_eq!(paths.len(), together.len());
-    let mut heard = [0; 2];
+    let mut received = [0; 2];
     for (path, &offset) in paths.emission_offset_s.iter().enumerate() {
         let sent = (2000 + (offset * 2000.0).round() as i64) as usize % 2;
-        heard[sent] += 1;
+        received[sent] += 1;
         for (channel, row) in scene.radar.channels.iter().enumerate() {
             let a = paths.amplitude[channel][path];
             if (row.tx == H) == (sent == 0) {
@@ -159,7 +159,7 @@ fn alternating_polarisations() {
             }
         }
     }
-    assert!(heard[0] > 0 && heard[1] > 0);
+    assert!(received[0] > 0 && received[1] > 0);
     // A channel that is not asked is not there: HH alone receives every other pulse.
     scene.radar.channels.truncate(1);
     scene.radar.window.samples = 4096;

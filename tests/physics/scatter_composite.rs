@@ -1,7 +1,7 @@
 //! The composite NRCS of docs/physics.md section 10.6 (10 GHz, radar looking upwind, U10 = 10 m/s, cut k/3,
 //! all waves below the cut in the slope density, averaged over tilts). Its table is what 13 x 13
 //! Gauss-Hermite nodes and a sharp cut give; the library has 3 x 3 nodes and a smooth cut, and docs/sigma0.md
-//! says how far each is from the integral.
+//! states how far each is from the integral.
 
 use std::f64::consts::PI;
 
@@ -184,7 +184,7 @@ fn page_rows(heading: &str) -> Vec<Vec<f64>> {
 /// The page's table of the tilt average: facet (0: the whole sea) and incidence, then VV and HH by 3 x 3
 /// nodes, by 13 x 13 nodes with a sharp cut, and of the integral; specular part damped.
 #[test]
-fn the_page_tells_what_three_nodes_cost() {
+fn the_page_states_what_three_nodes_cost() {
     let (three, thirteen) = (gauss_hermite(3), gauss_hermite(13));
     // Twice as fine a trapezoid, and 41 Gauss-Hermite nodes, say how well the integral is known.
     let (integral, finer, gauss) = (trapezoid(0.1), trapezoid(0.05), gauss_hermite(41));

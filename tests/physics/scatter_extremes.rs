@@ -159,7 +159,7 @@ fn db(ratio: f64) -> f64 {
 }
 
 #[test]
-fn permittivity_outside_its_range_says_so() {
+fn permittivity_outside_its_range_is_refused() {
     let warm = SeaWater { temperature_c: 40.0, salinity_gpkg: 50.0 };
     let faults = Model::MeissnerWentz2012.faults(0.5e9, warm);
     assert_eq!(faults.len(), 3, "all faults at once");

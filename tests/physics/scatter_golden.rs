@@ -33,7 +33,7 @@ fn permittivity_rows() {
             (Model::MeissnerWentz2012, [columns[0], columns[1]]),
             (Model::KleinSwift1977, [columns[2], columns[3]]),
         ] {
-            // Rows outside a model's range are extrapolations; inside it both doors give the same.
+            // Rows outside a model's range are extrapolations; inside it both functions give the same.
             let eps = model.extrapolated(row[f], water);
             if let Ok(checked) = model.permittivity(row[f], water) {
                 assert_eq!(checked, eps);

@@ -121,7 +121,7 @@ fn orbital_motion_carries_the_radial_velocity_of_waves() {
 }
 
 #[test]
-fn doppler_centroid_tells_approaching_from_receding_waves() {
+fn doppler_centroid_distinguishes_approaching_from_receding_waves() {
     // Facets that face the radar return more. On waves that approach, these rise and close in.
     let centroid_hz = |direction_rad: f64| {
         let mut sum = [0.0; 2];
@@ -408,7 +408,7 @@ fn a_curved_earth_lowers_the_far_sea() {
 fn a_curved_earth_tilts_the_far_sea_outward() {
     use nereus::frames::{Earth, SceneFrame};
     // Calm water 40 km East of the origin leans to the East by 40/8494 = 4.7 mrad, which its glint (rms slope
-    // 3.2 mrad) tells: seen from above, from where it leans to, from where it leans from.
+    // 3.2 mrad) shows: seen from above, from where it leans to, from where it leans from.
     let mut water = sea(1, 1.0, 0.0);
     water.water.wind.strength = WindStrength::Speed { speed_mps: 0.0, height_m: 10.0 };
     water.patch = Patch::new([1.0, 1.0], 1.0, [40_000.0, 0.0]).unwrap();

@@ -243,7 +243,7 @@ fn weights_of((facets, heights_m, facet_m, [x, y, z], width_rad, rays_per_facet)
     let relief = Relief::of(&ground.map());
     let weights = ground.weights(settings, terminal);
     if relief.cannot_shadow(&ground.map(), terminal, settings) {
-        assert!(weights.iter().all(|v| (v - 1.0).abs() <= 1e-15), "said to be illuminated");
+        assert!(weights.iter().all(|v| (v - 1.0).abs() <= 1e-15), "reported as illuminated");
     }
     weights
 }

@@ -58,8 +58,9 @@ fn sum(scene: &Scene, paths: &ScattererPaths) -> Complex64 {
     paths.amplitude[0].iter().zip(&paths.delay_s[0]).map(carried).sum()
 }
 
-/// A trough of two planes at right angles about a horizontal edge returns a low wave by two bounces. Its image
-/// is as deep below the sea as the trough is high; what a radar at 4 m sees to 8 km is not beyond its horizon.
+/// A trough of two planes at right angles about a horizontal edge returns a low wave by two bounces. Its
+/// image is as deep below the sea as the trough is high; what a radar at 4 m sees to 8 km is not beyond its
+/// horizon.
 #[test]
 fn double_bounces_stay_within_the_horizon() {
     let echo_db = |earth: Earth| {
@@ -88,8 +89,8 @@ fn house() -> Vec<Triangle> {
     panels
 }
 
-/// A pulse is the same in a run of a second and in one of half a day: an aircraft flies by at 200 m/s, so other
-/// planes are met later on, and what is hidden changes between the knots about the pulse.
+/// A pulse is the same in a run of a second and in one of half a day: an aircraft flies by at 200 m/s, so
+/// other planes are met later on, and what is hidden changes between the knots about the pulse.
 #[test]
 fn pulses_do_not_depend_on_the_length_of_a_run() {
     let of_run = |pulses: u64| {
@@ -132,7 +133,8 @@ fn a_plate_has_its_pattern() {
     }
 }
 
-/// A ship that lies across the end of the window is flagged as a target is, by the record of the fast echo too.
+/// A ship that lies across the end of the window is flagged as a target is, by the record of the fast echo
+/// too.
 #[test]
 fn echoes_outside_the_window_are_flagged() {
     let frame = SceneFrame::plain(Earth::Flat);
@@ -173,8 +175,8 @@ fn riding(panels: Vec<Triangle>, form: HullForm, facet_m: f64, place: [f64; 3]) 
     (scene, generator)
 }
 
-/// The delay rate of every panel and double bounce of a ship that heaves, pitches and rolls is the change of its
-/// delay: by central differences at 20 kHz.
+/// The delay rate of every panel and double bounce of a ship that heaves, pitches and rolls is the change of
+/// its delay: by central differences at 20 kHz.
 #[test]
 fn panels_that_ride_have_the_doppler_of_their_paths() {
     let form = HullForm { length_m: 20.0, beam_m: 8.0, draught_m: 1.5, block: 0.7 };
@@ -272,8 +274,8 @@ fn panels_side_by_side_are_as_one_by_one() {
     assert!(worst < 1e-11 && bounces > 50, "{worst:e} {bounces}");
 }
 
-/// A skiff that is much smaller than the waves lies on the surface: its mid and its bow are where the water and its
-/// slope put them.
+/// A skiff that is much smaller than the waves lies on the surface: its mid and its bow are where the water
+/// and its slope put them.
 #[test]
 fn a_skiff_lies_on_the_surface() {
     let form = HullForm { length_m: 0.4, beam_m: 0.2, draught_m: 0.02, block: 0.9 };
@@ -308,8 +310,8 @@ fn a_skiff_lies_on_the_surface() {
     assert!(off_m[0] < 0.01 * largest_m[0] && off_m[1] < 0.02 * largest_m[1], "{off_m:?}");
 }
 
-/// Facets behind and under a ship return nothing: as many as its shadow has, `20 m (8 m + 6 m/tan)` of 1 m each. The
-/// box is inside out, so that it returns nothing itself, and hides the same.
+/// Facets behind and under a ship return nothing: as many as its shadow has, `20 m (8 m + 6 m/tan)` of 1 m
+/// each. The box is inside out, so that it returns nothing itself, and hides the same.
 #[test]
 fn a_ship_hides_the_sea_behind_it() {
     let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
@@ -327,7 +329,7 @@ fn a_ship_hides_the_sea_behind_it() {
     let own = Ship { length_m: Some(20.0), ..ship(panels, [0.3, 0.2], PI / 2.0) };
     let (mut scene, tracks) = monostatic(SceneFrame::plain(Earth::Flat), own, [-far_m, 0.0, high_m]);
     scene.sea = Some(sea(128, 1.0, 0.3));
-    let lit = |scene: &Scene| {
+    let illuminated = |scene: &Scene| {
         let generator = PathGenerator::new(scene, PULSE_S, tracks.clone()).unwrap();
         evaluate(scene, &generator, 3).0.len()
     };
@@ -335,17 +337,18 @@ fn a_ship_hides_the_sea_behind_it() {
     let open = |scene: &Scene| {
         let mut scene = without(scene);
         scene.ships[0].length_m = Some(20.0);
-        lit(&scene)
+        illuminated(&scene)
     };
-    let (with, all) = (lit(&scene), open(&scene));
+    let (with, all) = (illuminated(&scene), open(&scene));
     let hidden = 20.0 * (8.0 + 6.0 * far_m / high_m);
     println!("{with} of {all} facets, {hidden:.0} m^2 hidden");
-    // Some slopes turn away by themselves. The end of the shadow wanders with the waves there, by some metres of 53.
+    // Some slopes turn away by themselves. The end of the shadow wanders with the waves there, by some metres
+    // of 53.
     let facing = all as f64 / (128.0 * 128.0);
     assert!(((all - with) as f64 / (facing * hidden) - 1.0).abs() < 0.06, "{with} {all}");
     // Where waves hide each other too, it hides what they do not.
     scene.sea.as_mut().unwrap().shadow = Some(Shadowing::default());
-    let (with, all) = (lit(&scene), open(&scene));
+    let (with, all) = (illuminated(&scene), open(&scene));
     println!("{with} of {all} facets with shadows of waves");
     assert!(all > with && ((all - with) as f64) < 1.1 * hidden, "{with} {all}");
 }

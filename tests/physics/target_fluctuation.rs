@@ -86,7 +86,7 @@ fn pulse_to_pulse_cases_have_their_laws_and_no_memory() {
         }
         let r = correlation(&first, &second);
         assert!(r.abs() < DEVIATIONS, "{swerling:?}, two targets: {r}");
-        // The wrong law is told apart by as many pulses.
+        // The wrong law is rejected by as many pulses.
         let other = if swerling == Swerling::Case2 { Swerling::Case4 } else { Swerling::Case2 };
         assert!(kolmogorov(other, &first) > 2.0 * KOLMOGOROV);
     }

@@ -347,7 +347,7 @@ fn speeds_at_the_ends() {
     for density in [0.0, -1.0, f64::NAN, 2e4] {
         assert!(matches!(ship.wave_resistance_n(density), Err(KochinError::Density { .. })));
     }
-    // A Froude number of 0.003: said, not computed for minutes.
+    // A Froude number of 0.003: refused, not computed for minutes.
     let slow = at(&hull, LEAST_SPEED_MPS).wave_resistance_n(DENSITY_KGPM3);
     assert!(matches!(slow, Err(KochinError::Slow { .. })), "{slow:?}");
 }

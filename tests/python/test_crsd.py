@@ -15,7 +15,7 @@ alternating polarisations behind a converter are made and exported. Of each file
   errors that were asked for.
 
 A short test of the run's own sink goes with the first. Without what tests/python/requirements.txt lists (installed into
-target/crsd-venv where pip can) the test says that it is skipped.
+target/crsd-venv where pip can) the test is skipped.
 """
 import argparse
 import contextlib

@@ -191,7 +191,7 @@ def damage(rng, data):
 
 
 def call(nereus, arguments, folder):
-    """Runs the program under limits; how it ended, and what it said."""
+    """Runs the program under limits; how it ended, and its output."""
     def limits():
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -199,15 +199,15 @@ def call(nereus, arguments, folder):
     child = subprocess.Popen([nereus, *arguments], cwd=folder, preexec_fn=limits, stdin=subprocess.DEVNULL,
                              stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
-        _, said = child.communicate(timeout=LIMIT_S)
+        _, output = child.communicate(timeout=LIMIT_S)
     except subprocess.TimeoutExpired:
         os.killpg(child.pid, signal.SIGKILL)
-        _, said = child.communicate()
-        return "hang", said
+        _, output = child.communicate()
+        return "hang", output
     code = child.returncode
     if code < 0:
-        return signal.Signals(-code).name, said
-    return ("panic" if code == 101 else f"exit {code}"), said
+        return signal.Signals(-code).name, output
+    return ("panic" if code == 101 else f"exit {code}"), output
 
 
 def make(nereus, folder):
@@ -250,7 +250,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=int(os.environ.get("NEREUS_HOSTILE_RUNS", "120")))
     parser.add_argument("--seed", type=int, default=19)
-    parser.add_argument("--only", type=int, help="this run alone, and what it said")
+    parser.add_argument("--only", type=int, help="this run alone, and its output")
     parser.add_argument("--keep", help="folder for the files of runs that failed")
     parser.add_argument("--nereus", default=os.environ.get("NEREUS", os.path.join(TOP, "target/debug/nereus")))
     args = parser.parse_args()
@@ -292,13 +292,13 @@ def main():
                 choices = [*choices, verify]
             command = rng.choice(choices)
             begun = time.monotonic()
-            ended, said = call(nereus, command, here)
+            ended, output = call(nereus, command, here)
             took = time.monotonic() - begun
             slowest = max(slowest, took)
             tally[(kind, command[0], ended)] += 1
             good = ended in ("exit 0", "exit 1", "exit 2")
             if not good or args.only is not None:
-                tail = said.decode(errors="replace").strip().splitlines()[-1:]
+                tail = output.decode(errors="replace").strip().splitlines()[-1:]
                 print(f"run {number} ({kind}, {command[0]}, {done}, {os.path.basename(victim)}): {ended} {tail}")
             if not good:
                 failed.append(number)

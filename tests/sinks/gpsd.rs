@@ -35,7 +35,7 @@ struct Boat(TimeTag, Format);
 
 impl Encoder for Boat {
     fn encode(&mut self, time: TimeTag, _: &PlatformRecord, out: &mut Vec<u8>) -> bool {
-        let said = Solution {
+        let solution = Solution {
             time,
             place: place(time, self.0),
             undulation_m: 43.5,
@@ -43,7 +43,7 @@ impl Encoder for Boat {
             yaw_pitch_roll_rad: Some([0.9, 0.0, 0.0]),
             sigma: Sigma::default(),
         };
-        self.1.write(&said, out).is_ok()
+        self.1.write(&solution, out).is_ok()
     }
 }
 

@@ -49,7 +49,7 @@ fn run(settings: &NavSettings, prf_hz: f64, pulses: impl IntoIterator<Item = u64
     Box::new(sink).finish().unwrap()
 }
 
-fn said(path: &Path) -> Vec<u64> {
+fn stamps(path: &Path) -> Vec<u64> {
     let text = std::fs::read_to_string(path).unwrap();
     text.lines().map(|line| line.split(' ').nth(1).unwrap().parse().unwrap()).collect()
 }
@@ -63,7 +63,7 @@ fn a_message_a_tick() {
     let report = run(&settings(&device, 5.0, 0.0), 333.3, 0..1000);
     let wanted: Vec<u64> =
         (0..).map(|k| (66.66 * f64::from(k)).ceil() as u64).take_while(|n| *n < 1000).collect();
-    assert_eq!(said(&path), wanted);
+    assert_eq!(stamps(&path), wanted);
     let port = report.port.unwrap();
     assert_eq!((port.messages, port.lost_messages), (wanted.len() as u64, 0));
     assert_eq!((report.pulses, report.bytes), (1000, std::fs::metadata(&path).unwrap().len()));
@@ -72,7 +72,7 @@ fn a_message_a_tick() {
     let first = std::fs::read_to_string(&path).unwrap().lines().nth(1).unwrap().to_owned();
     assert_eq!(first.split(' ').next().unwrap(), format!("{:.0}", 67.0 / 333.3 * 1e9));
 
-    // Pulses at ticks belong to them, at any rate, and a part of a run says what the whole says there.
+    // Pulses at ticks belong to them, at any rate, and a part of a run reports what the whole reports there.
     for (name, rate_hz, range, wanted) in [
         ("even", 10.0, 0..1000, (0..10).map(|k| 100 * k).collect::<Vec<u64>>()),
         ("part", 10.0, 101..500, vec![200, 300, 400]),
@@ -82,12 +82,12 @@ fn a_message_a_tick() {
     ] {
         let path = folder.path().join(name);
         run(&settings(&format!("file:{}", path.display()), rate_hz, 0.0), 1000.0, range);
-        assert_eq!(said(&path), wanted, "{name}");
+        assert_eq!(stamps(&path), wanted, "{name}");
     }
     // Missing pulses: the first one after the tick.
     let path = folder.path().join("gap");
     run(&settings(&format!("file:{}", path.display()), 10.0, 0.0), 1000.0, (0..50).chain(250..350));
-    assert_eq!(said(&path), [0, 250, 300]);
+    assert_eq!(stamps(&path), [0, 250, 300]);
 }
 
 #[test]
@@ -104,13 +104,13 @@ fn a_message_leaves_later() {
         pulse.time = times.emission(header.start, index);
         pulse.nav_reported[1].position_m[0] = index as f64;
         sink.write(&pulse).unwrap();
-        // Said at pulse n, sent at n + 250.
-        let sent = said(&path).len() as u64;
+        // Reported at pulse n, sent at n + 250.
+        let sent = stamps(&path).len() as u64;
         let wanted = if index < 250 { 0 } else { (index - 250) / 100 + 1 };
         assert_eq!(sent, wanted, "pulse {index}");
     }
     Box::new(sink).finish().unwrap();
-    assert_eq!(said(&path), [0, 100, 200, 300]);
+    assert_eq!(stamps(&path), [0, 100, 200, 300]);
 }
 
 #[test]
@@ -125,9 +125,9 @@ fn outputs_are_looked_at_first() {
         sink("tcp://127.0.0.1:9"),
         sink("tcp://127.0.0.1:9"),
     ]);
-    let told: Vec<String> = faults.iter().map(ToString::to_string).collect();
-    assert_eq!(told.len(), 3, "{told:?}");
-    assert!(told[0].contains("exists already") && told[2].contains("output of two sinks"), "{told:?}");
+    let texts: Vec<String> = faults.iter().map(ToString::to_string).collect();
+    assert_eq!(texts.len(), 3, "{texts:?}");
+    assert!(texts[0].contains("exists already") && texts[2].contains("output of two sinks"), "{texts:?}");
 }
 
 #[test]

@@ -138,7 +138,7 @@ mod files {
             &at("x.h5"),
             false,
         );
-        let told = error.unwrap_err().to_string();
-        assert!(told.contains("truth/changes differs"), "{told}");
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains("truth/changes differs"), "{message}");
     }
 }

@@ -250,7 +250,7 @@ pub fn python(needs_h5py: bool, script: &str) -> Option<String> {
     Some(out)
 }
 
-/// What `verify` says of a recording that is closed, as soon as no child has inherited its lock: see
+/// What `verify` finds of a recording that is closed, as soon as no child has inherited its lock: see
 /// [`unlocked`].
 #[cfg(feature = "hdf5")]
 pub fn verified(path: &Path) -> Verdict {

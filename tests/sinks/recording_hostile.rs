@@ -72,8 +72,8 @@ fn figures_that_no_radar_has_are_refused() {
         let file = hdf5::File::open_rw(&path).unwrap();
         file.attr(name).unwrap().write_scalar(&value).unwrap();
         drop(file);
-        let said = refused(&path);
-        assert!(said.contains(&format!("recording header, {name}: {value}; allowed:")), "{said}");
+        let message = refused(&path);
+        assert!(message.contains(&format!("recording header, {name}: {value}; allowed:")), "{message}");
     }
     hdf5(&path, |pulse| pulse.window_start_s = f64::NAN);
     assert!(refused(&path).contains("pulse/window_start_s of pulse 7 is NaN"), "{}", refused(&path));
@@ -98,8 +98,8 @@ fn an_examination_reads_all_whatever_is_damaged() {
         bytes[at] ^= 1;
     }
     fs::write(&path, bytes).unwrap();
-    let said = read_through(&path).unwrap_err().to_string();
-    assert!(said.contains("/iq") && said.contains("; and 1 more fault"), "{said}");
+    let message = read_through(&path).unwrap_err().to_string();
+    assert!(message.contains("/iq") && message.contains("; and 1 more fault"), "{message}");
 }
 
 /// Links to other files and to the file itself, and data that lies elsewhere.

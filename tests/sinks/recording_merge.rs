@@ -126,9 +126,9 @@ fn what_does_not_fit_together_is_refused() {
         (vec![], "nothing to merge"),
         (vec![a.clone(), dir.path().join("missing.h5")], "missing.h5"),
     ];
-    for (shards, says) in cases {
+    for (shards, words) in cases {
         let error = merge(&shards, &out, false).unwrap_err().to_string();
-        assert!(error.contains(says), "{error}");
+        assert!(error.contains(words), "{error}");
         assert!(!out.exists());
     }
     let junk = dir.path().join("junk.h5");
@@ -158,7 +158,7 @@ fn a_gap_that_was_dropped_in_real_time_is_kept() {
     assert_eq!((report.pulses, report.dropped), (25, 5));
 }
 
-/// The flag of a gap says that the run dropped pulses; it does not excuse a file that is missing.
+/// The flag of a gap marks that the run dropped pulses; it does not excuse a file that is missing.
 #[test]
 fn a_lost_segment_is_no_dropped_pulse() {
     let dir = tempfile::tempdir().unwrap();
@@ -241,9 +241,9 @@ fn all_shards_of_a_run_are_asked_for() {
         (vec![one.clone(), two.clone(), at(3, 4, None)], "number of shards differs"),
         (vec![one, others, three], "number of shards differs"),
     ];
-    for (shards, says) in refused {
+    for (shards, words) in refused {
         let error = merge(&shards, &out, true).unwrap_err().to_string();
-        assert!(error.contains(says), "{error}\n{says}");
+        assert!(error.contains(words), "{error}\n{words}");
     }
 }
 

@@ -14,7 +14,7 @@ fn plain(path: PathBuf) -> Settings {
 }
 
 #[test]
-fn every_fault_is_told_before_anything_is_made() {
+fn every_fault_is_reported_before_anything_is_made() {
     let dir = tempfile::tempdir().unwrap();
     let there = dir.path().join("there");
     fs::create_dir(&there).unwrap();
@@ -112,7 +112,7 @@ fn nothing_but_recordings_is_overwritten_and_each_output_is_one() {
 
 #[cfg(not(feature = "hdf5"))]
 #[test]
-fn a_build_without_hdf5_says_so() {
+fn a_build_without_hdf5_refuses_it() {
     let kind = Kind::Hdf5 { path: "x.h5".into(), segment_s: None, force: false };
     let faults = preflight(&[Settings { kind, queue_pulses: 8 }]);
     assert!(matches!(faults.as_slice(), [SinkError::NoHdf5 { .. }]));
@@ -120,8 +120,8 @@ fn a_build_without_hdf5_says_so() {
 
 #[test]
 fn headers_that_cannot_be_recorded_are_refused() {
-    type Spoil = fn(&mut Header);
-    let spoils: [(Spoil, &str); 9] = [
+    type Damage = fn(&mut Header);
+    let damages: [(Damage, &str); 9] = [
         (|h| h.platforms[0] = "a/b".to_owned(), "platforms"),
         (|h| h.platforms[0] = "..".to_owned(), "platforms"),
         (|h| h.platforms[0] = String::new(), "platforms"),
@@ -138,7 +138,7 @@ fn headers_that_cannot_be_recorded_are_refused() {
             "layout",
         ),
     ];
-    for (corrupt, field) in spoils {
+    for (corrupt, field) in damages {
         let mut bad = header(SampleFormat::Cf32);
         assert!(bad.check().is_ok());
         corrupt(&mut bad);

@@ -215,7 +215,7 @@ mod hdf5 {
         let note =
             format!("{} and 1 more: older, removed, because this run has no such part", gone[0].display());
         assert_eq!(report.notes(), [note]);
-        // What the run itself would come upon is said at its start.
+        // What the run itself would come upon is reported at its start.
         for k in 0..2 {
             fs::remove_file(dir.path().join(format!("rec_{k:04}.h5"))).unwrap();
         }

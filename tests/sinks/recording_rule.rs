@@ -253,7 +253,7 @@ mod hdf5 {
         assert!(damaged.findings[0].place.starts_with("/iq, rows 0.."), "{damaged:?}");
     }
 
-    /// What `verify` says of recordings that grow, were killed, were cut, or lack pulses.
+    /// What `verify` finds of recordings that grow, were killed, were cut, or lack pulses.
     #[test]
     fn what_is_not_whole_is_named() {
         let dir = tempfile::tempdir().unwrap();

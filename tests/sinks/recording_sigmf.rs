@@ -152,7 +152,8 @@ fn one_channel_and_some_pulses_are_one_recording() {
     assert!(fs::read(folder.path().join("out.sigmf-data")).unwrap() == bytes(&header, 1, 15..18));
 }
 
-/// The schema, the hashes and the lengths by `sigmf_validate`; the samples by its reader, through the collection.
+/// The schema, the hashes and the lengths by `sigmf_validate`; the samples by its reader, through the
+/// collection.
 #[test]
 fn the_tools_of_sigmf_take_it() {
     let script = r#"

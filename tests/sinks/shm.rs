@@ -1,5 +1,5 @@
-//! Shared memory: what subscribers get, and what becomes of those that sleep, die, or find no memory. Python's
-//! subscriber is in `python/tests`.
+//! Shared memory: what subscribers get, and what becomes of those that sleep, die, or find no memory.
+//! Python's subscriber is in `python/tests`.
 //!
 //! Subscribers that are stopped or killed are processes: this program again, with one of the tests below that
 //! are ignored otherwise.
@@ -119,7 +119,8 @@ fn a_slow_subscriber_loses_the_oldest_and_counts_them() {
     assert_eq!(sink.finish().unwrap().subscribers.unwrap().lost, 0);
 }
 
-/// Subscribers hold all that they may, and one of them sleeps: there is memory for the next pulse all the same.
+/// Subscribers hold all that they may, and one of them sleeps: there is memory for the next pulse all the
+/// same.
 #[test]
 fn memory_suffices_for_subscribers_that_hold_pulses() {
     let header = header(SampleFormat::Cf32);

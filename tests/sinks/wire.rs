@@ -96,7 +96,7 @@ fn stamps_are_the_instant_of_the_first_sample() {
 }
 
 #[test]
-fn trailers_tell_where_a_pulse_begins_and_ends() {
+fn trailers_mark_where_a_pulse_begins_and_ends() {
     let codes = |samples: usize, flags: u32| {
         let header = header_of(SampleFormat::Cf32, samples);
         let (socket, mut sink) = caught(&header, 1500);
@@ -134,7 +134,7 @@ fn a_second_decoder_reads_the_same() {
         let mut iq = Vec::new();
         for datagram in &all {
             if kind(datagram) == EXTENSION {
-                // It has no door for contexts of others: the prologue is checked below.
+                // It has no reader for contexts of others: the prologue is checked below.
                 assert_eq!(word(datagram, 8), 0x004e_4552);
                 assert_eq!(word(datagram, 12) >> 16, 1);
                 continue;
@@ -277,7 +277,7 @@ fn the_ephemeris_is_the_state_to_half_its_least_bit() {
 }
 
 #[test]
-fn a_scene_that_lies_nowhere_has_no_ephemeris() {
+fn a_scene_that_is_not_georeferenced_has_no_ephemeris() {
     let mut header = header_of(SampleFormat::Cf32, 50);
     header.origin = None;
     let (all, _) = datagrams(&header, 1500, 0, 2);
@@ -303,7 +303,7 @@ fn contexts_come_first_and_once_a_second() {
 }
 
 #[test]
-fn outputs_that_cannot_be_sent_to_are_told() {
+fn outputs_that_cannot_be_sent_to_are_refused() {
     let kind = |address: &str| sinks::Settings {
         kind: Kind::Vita49(Settings { address: address.to_owned(), ..Settings::default() }),
         queue_pulses: 8,

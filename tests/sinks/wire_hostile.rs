@@ -132,7 +132,7 @@ fn the_same_run_again_is_followed() {
 }
 
 #[test]
-fn only_the_sender_that_was_named_is_heard() {
+fn only_the_sender_that_was_named_is_received() {
     let header = run(SampleFormat::Ci16);
     let (all, _) = datagrams(&header, 1500, 0, 5);
     let (known, stranger) =
@@ -398,9 +398,9 @@ fn a_run_without_pulses_leaves_no_recording() {
     assert_eq!((report.out.len(), report.pulses, report.recorded), (2, 41, Some(41)));
 }
 
-/// Pulses of a stream that goes back are received and not recorded: the report tells the two apart.
+/// Pulses of a stream that goes back are received and not recorded: the report counts the two apart.
 #[test]
-fn pulses_that_cannot_be_recorded_are_told_apart() {
+fn pulses_that_cannot_be_recorded_are_counted_apart() {
     let header = run(SampleFormat::Ci16);
     let (all, _) = datagrams(&header, 1500, 0, 60);
     let folder = tempfile::tempdir().unwrap();
@@ -473,8 +473,8 @@ fn pulses_that_lie_a_little_ahead_cost_none() {
     }
 }
 
-/// Receives datagrams until nothing of the run has come for half a second, while one more comes again and again; and how
-/// long that took.
+/// Receives datagrams until nothing of the run has come for half a second, while one more comes again and
+/// again; and how long that took.
 pub fn until_idle(all: &[Vec<u8>], again: &[u8], most_s: u64) -> (Report, Duration) {
     let listener = Listener::bind("127.0.0.1:0").unwrap();
     let to = listener.address();

@@ -1,4 +1,4 @@
-//! The reference receiver: whole pulses bit for bit, and what it says of losses, order and nonsense.
+//! The reference receiver: whole pulses bit for bit, and its report of losses, order and nonsense.
 
 use std::net::UdpSocket;
 use std::sync::atomic::AtomicBool;
@@ -49,7 +49,7 @@ fn over_loopback(address: &str, format: SampleFormat, count: u64) -> (Vec<Pulse>
     let header = wide(format);
     let listener = Listener::bind(address).unwrap();
     let settings = Settings { address: listener.address().to_string(), ..Settings::default() };
-    let (told, heard) = mpsc::channel();
+    let (sender, receiver) = mpsc::channel();
     let receiving = thread::spawn(move || {
         let until = Until {
             pulses: Some(count),
@@ -57,7 +57,7 @@ fn over_loopback(address: &str, format: SampleFormat, count: u64) -> (Vec<Pulse>
             idle: Some(Duration::from_secs(10)),
         };
         listener
-            .receive(until, &AtomicBool::new(false), None, |pulse| told.send(pulse.clone()).unwrap())
+            .receive(until, &AtomicBool::new(false), None, |pulse| sender.send(pulse.clone()).unwrap())
             .unwrap()
     });
     let mut sink = Box::new(Vita49Sink::open(&settings, &header).unwrap());
@@ -65,7 +65,7 @@ fn over_loopback(address: &str, format: SampleFormat, count: u64) -> (Vec<Pulse>
     for n in 0..count {
         sink.write(&pulse(&header, n)).unwrap();
         // The receiver keeps step: this test is of bits, not of buffers.
-        pulses.extend(heard.recv_timeout(Duration::from_secs(10)));
+        pulses.extend(receiver.recv_timeout(Duration::from_secs(10)));
     }
     let sent = sink.finish().unwrap();
     (pulses, receiving.join().unwrap(), sent)
@@ -214,7 +214,7 @@ fn a_receiver_may_come_late() {
 }
 
 #[test]
-fn another_run_on_the_same_address_is_told() {
+fn another_run_on_the_same_address_is_reported() {
     let first = wide(SampleFormat::Cf32);
     let second = Header { seed: 43, ..first.clone() };
     let (mut all, _) = datagrams(&first, 1500, 0, 3);
@@ -241,12 +241,12 @@ fn lateness_is_that_of_the_arrivals() {
         receiver.finish(&mut Some)
     };
     let late = |n: usize| if n == 57 { 5e-3 } else { (n % 2) as f64 * 1e-3 };
-    let told = report(&|n| 0.1 + n as f64 / PRF_HZ + late(n)).lateness.unwrap();
+    let lateness = report(&|n| 0.1 + n as f64 / PRF_HZ + late(n)).lateness.unwrap();
     // Instants count nanoseconds: two roundings.
-    for (found, exact) in [(told.p50_us, 0.0), (told.p99_us, 1000.0), (told.max_us, 5000.0)] {
-        assert!((found - exact).abs() < 3e-3, "{told:?}");
+    for (found, exact) in [(lateness.p50_us, 0.0), (lateness.p99_us, 1000.0), (lateness.max_us, 5000.0)] {
+        assert!((found - exact).abs() < 3e-3, "{lateness:?}");
     }
-    assert_eq!(told.pulses, 100);
+    assert_eq!(lateness.pulses, 100);
     // All at once, and at half the pace: not in real time.
     assert_eq!(report(&|_| 0.0).lateness, None);
     assert_eq!(report(&|n| 2.0 * n as f64 / PRF_HZ).lateness, None);
@@ -400,12 +400,12 @@ proptest! {
 
     /// Datagrams of a run with some bytes changed, cut or lengthened.
     #[test]
-    fn spoiled_datagrams_never_panic(
-        spoils in prop::collection::vec((0usize..200, 0usize..1500, any::<u8>(), 0usize..40), 1..40),
+    fn corrupt_datagrams_never_panic(
+        damages in prop::collection::vec((0usize..200, 0usize..1500, any::<u8>(), 0usize..40), 1..40),
         fix_size: bool,
     ) {
         let mut all = twelve().to_vec();
-        for (which, at, value, cut) in spoils {
+        for (which, at, value, cut) in damages {
             let which = which % all.len();
             let datagram = &mut all[which];
             if let Some(byte) = datagram.get_mut(at) {

@@ -177,7 +177,8 @@ fn multipart_messages_hold_header_and_channels() {
     }
 }
 
-/// One that sleeps, one that is gone in the middle, one that sends nonsense, one that never says what it is.
+/// One that sleeps, one that is gone in the middle, one that sends nonsense, one that never introduces
+/// itself.
 #[test]
 fn nobody_waits_for_a_subscriber() {
     let mut header = header(SampleFormat::Cf32);

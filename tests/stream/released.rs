@@ -42,7 +42,7 @@ fn a_stream_that_is_closed_or_dropped_ends_its_run() {
 }
 
 #[test]
-fn who_is_slow_in_real_time_misses_pulses_and_is_told() {
+fn who_is_slow_in_real_time_misses_pulses_that_are_counted() {
     let fast = [
         ("radar.prf_hz", "2000"),
         ("scene.duration_s", "100"),

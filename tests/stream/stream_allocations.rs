@@ -105,7 +105,7 @@ fn counted_run() {
         let (view, mut onlooker) = view::view(16, &LAYOUT);
         run.view(view);
         let looking = std::thread::spawn(move || {
-            while onlooker.look(|_, _| {}) != view::Seen::Ended {
+            while onlooker.poll(|_, _| {}) != view::Seen::Ended {
                 std::thread::sleep(Duration::from_millis(1));
             }
         });
@@ -136,7 +136,7 @@ fn counted_pipeline() {
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let small = [set("scene.patch_size_m", "[24, 24]"), set("scene.duration_s", "6")];
     counted_scenario("sea.toml", &small, || true);
-    // Tiles that are in the sidelobes in some blocks only, while the beam passes.
+    // Sidelobe tiles in some blocks only, while the beam passes.
     let sidelobe = [
         set("scene.patch_size_m", "[64, 64]"),
         set("scene.duration_s", "6"),
@@ -145,6 +145,56 @@ fn counted_pipeline() {
     counted_scenario("mars-1.toml", &sidelobe, || true);
     // Late and wrong reports, turbulence, clocks.
     counted_scenario("errors.toml", &[set("scene.duration_s", "6")], || true);
+}
+
+/// What else a scene may have, on a patch that stays and on one that follows, in blocks and pulse by pulse.
+#[test]
+fn all_effects_allocate_nothing() {
+    in_a_process_of_its_own("counted_effects");
+}
+
+#[test]
+#[ignore = "run by all_effects_allocate_nothing in a process of its own"]
+fn counted_effects() {
+    let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
+    let ship = "[{ name = 'tug', hull = 'HULL', length_m = 12.0, position_m = [16.0, 8.0], speed_mps = 2.0, heading_deg = 30.0, \
+                echo = true, panel_m = 2.0, motion = 'waves' }]";
+    let hull = concat!(env!("CARGO_MANIFEST_DIR"), "/hulls/wigley.toml");
+    let effects = [
+        set("scene.duration_s", "8"),
+        set("sea.scattering.breaking", "'whitecaps'"),
+        set("sea.scattering.modulation", "'relaxation'"),
+        set("sea.waves", "'choppy'"),
+        set("ship", &ship.replace("HULL", hull)),
+        set("radar.rain_mmph", "20"),
+        set("radar.rain_clutter", "true"),
+        set("target.0.multipath", "true"),
+    ];
+    let with = |own: &[(&str, &str)]| {
+        let own: Vec<_> = own.iter().map(|(key, value)| set(key, value)).collect();
+        [&effects[..], &own].concat()
+    };
+    let sea = [
+        ("scene.patch_size_m", "[24, 24]"),
+        ("radar.window.samples", "48"),
+        ("radar.window.start_us", "28.05"),
+    ];
+    let along = [
+        ("scene.patch", "'follow'"),
+        ("scene.patch_follow", "{ kind = 'beside', platform = 'aircraft', across_m = 3000.0 }"),
+    ];
+    counted_scenario("sea.toml", &with(&sea), || true);
+    let afloat = [("sea.waves", "'linear'"), ("target.0.floating", "true")];
+    counted_scenario("sea.toml", &with(&[&sea[..], &along, &afloat].concat()), || true);
+    counted_scenario("sea.toml", &with(&[&sea[..], &[("fidelity.echo", "'reference'")]].concat()), || true);
+    // Land, and what it hides.
+    let coast = [
+        ("scene.patch_size_m", "[128, 128]"),
+        ("ship.0.position_m", "[470, 0]"),
+        ("radar.window.samples", "64"),
+        ("radar.window.start_us", "12.0"),
+    ];
+    counted_scenario("coast.toml", &with(&coast), || true);
 }
 
 /// The wire: to a receiver that listens, and to none; descriptions once a second included.
@@ -216,6 +266,21 @@ fn counted_publishers() {
     }
 }
 
+/// Threads of this process, where the system says.
+fn threads() -> Option<usize> {
+    std::fs::read_dir("/proc/self/task").ok().map(Iterator::count)
+}
+
+/// Waits until there are no more than so many, for ten seconds at most.
+fn wait_for_threads(most: Option<usize>) {
+    for _ in 0..1000 {
+        if threads() <= most {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
 /// Nothing is counted before it is `ready`, or a second has passed.
 fn counted_scenario(name: &str, settings: &[(String, String)], ready: impl Fn() -> bool + Sync) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
@@ -225,7 +290,10 @@ fn counted_scenario(name: &str, settings: &[(String, String)], ready: impl Fn() 
     run.sinks.retain(|sink| matches!(sink.kind, Vita49(_) | Zmq(_)));
     run.stream.threads = 2;
     run.stream.policy = Policy::Drop;
+    let before_all = threads();
     for (pace, end, from, to) in [(Pace::Fast, 1200, 200, 1000), (Pace::Realtime, 400, 100, 350)] {
+        // Workers of the run before may end late, and give back what they have.
+        wait_for_threads(before_all);
         run.stream.pace = pace;
         let (mut before, mut after) = (None, None);
         let outcome = nereus::pipeline::build::stream(&run, 0..end)

@@ -78,8 +78,8 @@ fn the_stop_flag_ends_a_run_cleanly() {
         if pace == Pace::Fast {
             assert_eq!(health.made, health.pulses);
         }
-        let told: Vec<Status> = receiver.try_iter().collect();
-        assert_eq!(told.last().unwrap().passed, health.pulses);
+        let statuses: Vec<Status> = receiver.try_iter().collect();
+        assert_eq!(statuses.last().unwrap().passed, health.pulses);
     }
 }
 

@@ -10,7 +10,8 @@ use nereus::transport::{Pace, Policy};
 
 use crate::stream_fixture::{LAYOUT, generate, remember, stream};
 
-/// One that never looks, one that goes, one that looks at all: the sink gets every pulse, none is late for it.
+/// One that never looks, one that goes, one that looks at all: the sink gets every pulse, none is late for
+/// it.
 #[test]
 fn an_onlooker_holds_up_nobody() {
     for pace in [Pace::Realtime, Pace::Fast] {
@@ -28,7 +29,7 @@ fn an_onlooker_holds_up_nobody() {
                 }
                 "looks" => Some(thread::spawn(move || {
                     loop {
-                        match onlooker.look(|pulse, _| {
+                        match onlooker.poll(|pulse, _| {
                             count.fetch_max(pulse.index, Ordering::Relaxed);
                         }) {
                             Seen::Pulse => {}

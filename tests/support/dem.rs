@@ -10,7 +10,7 @@ use tiff::tags::Tag;
 /// Origin of the scenes: latitude and longitude, degrees.
 pub const ORIGIN_DEG: [f64; 2] = [54.0, 10.0];
 
-/// What a raster says of where it lies.
+/// The georeference of a raster.
 pub struct Georeference {
     pub scale: Option<[f64; 3]>,
     pub tie: Option<Vec<f64>>,
@@ -55,8 +55,8 @@ pub fn write(path: &Path, [columns, rows]: [u32; 2], at: &Georeference, heights_
     image.write_data(heights_m).unwrap();
 }
 
-/// Writes a geographic raster of `cells` x `cells` cells of about `cell_m` around a place East and North of the
-/// origin: `height_m` by the same.
+/// Writes a geographic raster of `cells` x `cells` cells of about `cell_m` around a place East and North of
+/// the origin: `height_m` by the same.
 pub fn around(path: &Path, centre_m: [f64; 2], cells: u32, cell_m: f64, height_m: impl Fn([f64; 2]) -> f64) {
     let frame = SceneFrame::at(Geodetic::from_deg(ORIGIN_DEG[0], ORIGIN_DEG[1], 0.0), Earth::Flat);
     let metres_a_degree = 111_200.0;

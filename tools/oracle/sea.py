@@ -241,9 +241,9 @@ class Sea:
         """Scattering matrices, m; [n, 2, 2]."""
         self._check_shadow(facets, ki, ks)
         out = np.zeros((len(ki), 2, 2), complex)
-        lit = np.flatnonzero((dot(ki, facets.n) < 0) & (dot(ks, facets.n) > 0))
-        ki, ks = ki[lit], ks[lit]
-        n, ex, ey = facets.n[lit], facets.ex[lit], facets.ey[lit]
+        illuminated = np.flatnonzero((dot(ki, facets.n) < 0) & (dot(ks, facets.n) > 0))
+        ki, ks = ki[illuminated], ks[illuminated]
+        n, ex, ey = facets.n[illuminated], facets.ex[illuminated], facets.ey[illuminated]
         ku, kc = sc.bragg_vector(ki, ks, self.wavenumber, ex, ey)
         psi, kb = self.spectrum.psi(ku, kc), np.hypot(ku, kc)
         if self.splitting == "consistent":
@@ -258,12 +258,12 @@ class Sea:
         cosine2 = dot(ks - ki, ks - ki) / 4
         glint *= np.exp(-2 * self.wavenumber**2 * cosine2 * self.roughness)[:, None, None]
         glint[np.abs(glint) < 1e-12] = 0.0
-        size = np.sqrt(facets.area[lit])[:, None, None]
-        phase0, phase1 = facets.phasors[:, lit, None, None]
+        size = np.sqrt(facets.area[illuminated])[:, None, None]
+        phase0, phase1 = facets.phasors[:, illuminated, None, None]
         if self.phases == "single":
-            out[lit] = size * np.sqrt(np.abs(bragg) ** 2 + np.abs(glint) ** 2) * phase0
+            out[illuminated] = size * np.sqrt(np.abs(bragg) ** 2 + np.abs(glint) ** 2) * phase0
         else:
-            out[lit] = size * (bragg * phase1 + glint * phase0)
+            out[illuminated] = size * (bragg * phase1 + glint * phase0)
         return out
 
     def _check_shadow(self, facets, ki, ks):

@@ -1,4 +1,4 @@
-"""Random numbers by address: the key stream of ChaCha8 under the 256-bit key (seed, room, index, part).
+"""Random numbers by address: the key stream of ChaCha8 under the 256-bit key (seed, purpose, index, part).
 
 The key is the four words of 64 bits, little endian; block counter and nonce are 0; two words of 32 bits
 make one of 64, the low one first. Only the first block is made: eight words of 64 bits an address.
@@ -32,10 +32,10 @@ def block(key, rounds=8):
     return x + start
 
 
-def uniform(seed, room, index, part, count):
+def uniform(seed, purpose, index, part, count):
     """The first numbers in [0, 1) of the streams at integers index and part: [count, n]."""
     index, part = (np.asarray(a, np.int64).ravel().view(np.uint64) for a in (index, part))
-    words = [np.full_like(index, seed), np.full_like(index, room), index, part]
+    words = [np.full_like(index, seed), np.full_like(index, purpose), index, part]
     low = np.uint64(0xFFFFFFFF)
     key = [half.astype(np.uint32) for w in words for half in (w & low, w >> np.uint64(32))]
     made = block(key).astype(np.uint64)

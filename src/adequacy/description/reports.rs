@@ -70,7 +70,7 @@ pub(super) fn models(run: &Run, with: &mut Vec<Described>, without: &mut Vec<Des
 fn model_text(model: &ErrorModel) -> String {
     let mut parts = Vec::new();
     if model.recorded == Recorded::Reported {
-        parts.push("the track is what it reports, the truth lies beside it".to_owned());
+        parts.push("the track is what it reports; the truth differs from it by the errors".to_owned());
     }
     parts.push(match model.rate_hz {
         Some(rate_hz) => format!("{} reports/s", neat(rate_hz)),

@@ -52,7 +52,7 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
             with.push(described("land", land_text(land)));
             without.push(described(
                 "land beyond the patch",
-                "[land] returns and hides facets within the patch alone; it hides targets, but no panels of ships, direct path or rain",
+                "[land] returns and hides facets within the patch alone; it hides targets and ships, but no direct path or rain",
             ));
         }
         None => without.push(described("land", "no [land]: no echo and no shadow of coasts")),
@@ -114,41 +114,41 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
 }
 
 /// The figures that follow from the wind and the geometry.
-pub fn rows(outlook: &Adequacy) -> Vec<Described> {
+pub fn rows(adequacy: &Adequacy) -> Vec<Described> {
     let mut rows = vec![described(
         "wind",
         format!(
             "{:.2} m/s at 10 m, {:.2} at 12.5 m, {:.2} at 19.5 m; friction velocity {:.3} m/s{}",
-            outlook.u10_mps,
-            outlook.u12_5_mps,
-            outlook.u19_5_mps,
-            outlook.ustar_mps,
-            if outlook.calm { "; too weak to raise waves" } else { "" }
+            adequacy.u10_mps,
+            adequacy.u12_5_mps,
+            adequacy.u19_5_mps,
+            adequacy.ustar_mps,
+            if adequacy.calm { "; too weak to raise waves" } else { "" }
         ),
     )];
-    rows.push(match outlook.peak_wavelength_m {
+    rows.push(match adequacy.peak_wavelength_m {
         Some(peak_m) => described(
             "waves",
             format!(
                 "significant height {:.2} m expected; peak wavelength {peak_m:.1} m; patch side at least {:.0} m",
-                outlook.significant_height_m, outlook.least_length_m
+                adequacy.significant_height_m, adequacy.least_length_m
             ),
         ),
         None => described("waves", "none: the sea is flat"),
     });
-    rows.push(match (outlook.ground_range_m, outlook.facets_per_cell) {
+    rows.push(match (adequacy.ground_range_m, adequacy.facets_per_cell) {
         (Some(range_m), Some(facets)) => described(
             "resolution cell",
             format!("{range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): {facets:.1} facets"),
         ),
         _ => described("resolution cell", "range does not resolve the ground"),
     });
-    let share = 100.0 * outlook.share_in_window;
+    let share = 100.0 * adequacy.share_in_window;
     rows.push(described(
         "in the window",
         format!("the receive window holds the full echo of at least {share:.0} % of the patch"),
     ));
-    if let Some(edge_db) = outlook.edge_db {
+    if let Some(edge_db) = adequacy.edge_db {
         rows.push(described(
             "edge of the patch",
             format!("facets entering and leaving contribute at most {edge_db:.0} dB of the sea echo"),

@@ -26,7 +26,7 @@ pub(super) fn models(targets: &[Target], with: &mut Vec<Described>, without: &mu
         without
             .push(described("diffuse multipath", "nothing but the coherent field; none to hulls or the sea"));
     } else {
-        without.push(described("multipath", "target.multipath = false: targets stand in free space"));
+        without.push(described("multipath", "target.multipath = false: targets are in free space"));
     }
     let by_aspect = targets.iter().filter(|target| target.aspect.is_some()).count();
     if by_aspect > 0 {

@@ -5,10 +5,10 @@ use std::io;
 /// Why a recording is not read.
 #[derive(Debug, thiserror::Error)]
 pub enum ExamineError {
-    /// It is wrong, as the process that read it says.
+    /// It is wrong, as the process that read it reports.
     #[error("{message}")]
     Refused {
-        /// What it says.
+        /// Its report.
         message: String,
     },
     /// The process did not come to an end by itself.
@@ -27,7 +27,7 @@ pub enum ExamineError {
     Process {
         /// The recording.
         path: String,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
 }

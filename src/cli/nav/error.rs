@@ -37,7 +37,7 @@ pub enum NavToolError {
         source: EncodeError,
     },
     /// A name without a known format.
-    #[error("{}: its name says no format; allowed: .csv, .nmea, .inspvax, or --to", shown(path))]
+    #[error("{}: its name gives no format; allowed: .csv, .nmea, .inspvax, or --to", shown(path))]
     Target {
         /// The output.
         path: PathBuf,
@@ -50,7 +50,7 @@ pub enum NavToolError {
     Unwritten {
         /// The device.
         device: String,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// The output cannot be written.
@@ -58,7 +58,7 @@ pub enum NavToolError {
     Write {
         /// The output.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// Not a device.
@@ -69,7 +69,7 @@ pub enum NavToolError {
     Port {
         /// The device.
         device: String,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// A line that no run takes.
@@ -83,7 +83,7 @@ pub enum NavToolError {
     Control {
         /// The socket.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// The run does not take the line.

@@ -92,7 +92,7 @@ pub enum TableError {
         sweep_key: &'static str,
     },
     /// A height without the speed that holds there.
-    #[error("--wind-height-m says where a speed holds; allowed with --wind-mps or a sweep of it")]
+    #[error("--wind-height-m is the height of a wind speed; allowed with --wind-mps or a sweep of it")]
     HeightAlone,
     /// A key that means nothing to the chosen kind of spectrum.
     #[error("{key} means nothing to --kind {kind}; allowed with {allowed}")]

@@ -176,6 +176,17 @@ impl Angles {
             aspect: values(Angle::Aspect, "--aspect-deg", &args.aspect_deg, turn, &[180.0], around)?,
         })
     }
+
+    /// Incidence, scattering angle and azimuth of every path, degrees.
+    fn paths(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.incidence.iter().flat_map(move |incidence| {
+            let scattering =
+                if self.scattering.is_empty() { std::slice::from_ref(incidence) } else { &self.scattering };
+            scattering.iter().flat_map(move |scattering| {
+                self.azimuth.iter().map(move |azimuth| [*incidence, *scattering, *azimuth])
+            })
+        })
+    }
 }
 
 impl TableSigma0Args {
@@ -196,6 +207,45 @@ impl TableSigma0Args {
         within("--slope-x", &[self.slope_x], [-STEEPEST, STEEPEST])?;
         within("--slope-y", &[self.slope_y], [-STEEPEST, STEEPEST])?;
         Ok(())
+    }
+
+    fn light_winds(&self) -> LightWinds {
+        match self.light_wind {
+            LightWind::Threshold => LightWinds::Threshold,
+            LightWind::Published => LightWinds::AsPublished,
+        }
+    }
+
+    fn settings(&self) -> two_scale::Settings {
+        two_scale::Settings {
+            splitting: match self.splitting {
+                Splitting::Consistent => two_scale::Splitting::Consistent,
+                Splitting::Mars2007 => two_scale::Splitting::Mars2007,
+            },
+            cut_radpm: self.cut_rad_m,
+            tilt_average: !self.untilted,
+            gram_charlier: self.gram_charlier,
+        }
+    }
+
+    /// The names of the columns.
+    fn columns(&self) -> Vec<String> {
+        let mut columns: Vec<String> = [
+            "carrier_hz",
+            "temperature_c",
+            "salinity_psu",
+            "u10_mps",
+            "aspect_deg",
+            "incidence_deg",
+            "scattering_deg",
+            "azimuth_deg",
+        ]
+        .map(str::to_owned)
+        .into();
+        for part in ["sigma0", "spm", "go"].into_iter().chain(self.breaking.then_some("breaking")) {
+            columns.extend(["hh", "hv", "vh", "vv"].map(|channel| format!("{part}_{channel}_db")));
+        }
+        columns
     }
 }
 
@@ -223,38 +273,9 @@ fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Writ
         scatterings,
         angles.azimuth.len(),
     ])?;
-    let light_wind = match args.light_wind {
-        LightWind::Threshold => LightWinds::Threshold,
-        LightWind::Published => LightWinds::AsPublished,
-    };
-    let spectra = args.spectrum.that_scatter(&winds, light_wind)?;
-    let settings = two_scale::Settings {
-        splitting: match args.splitting {
-            Splitting::Consistent => two_scale::Splitting::Consistent,
-            Splitting::Mars2007 => two_scale::Splitting::Mars2007,
-        },
-        cut_radpm: args.cut_rad_m,
-        tilt_average: !args.untilted,
-        gram_charlier: args.gram_charlier,
-    };
-
-    let mut columns: Vec<String> = [
-        "carrier_hz",
-        "temperature_c",
-        "salinity_psu",
-        "u10_mps",
-        "aspect_deg",
-        "incidence_deg",
-        "scattering_deg",
-        "azimuth_deg",
-    ]
-    .map(str::to_owned)
-    .into();
-    let with_breaking = args.breaking.then_some("breaking");
-    for part in ["sigma0", "spm", "go"].into_iter().chain(with_breaking) {
-        columns.extend(["hh", "hv", "vh", "vv"].map(|channel| format!("{part}_{channel}_db")));
-    }
-    csv::header(out, &columns)?;
+    let spectra = args.spectrum.that_scatter(&winds, args.light_winds())?;
+    let settings = args.settings();
+    csv::header(out, &args.columns())?;
     for &(carrier_hz, water, permittivity) in &media {
         for (wind, spectrum) in winds.iter().zip(&spectra) {
             for &aspect_deg in &angles.aspect {
@@ -280,33 +301,26 @@ fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Writ
                 }
                 let parameters =
                     [carrier_hz, water.temperature_c, water.salinity_gpkg, wind.u10_mps, aspect_deg];
-                for &incidence_deg in &angles.incidence {
-                    let monostatic = [incidence_deg];
-                    let scattering =
-                        if angles.scattering.is_empty() { &monostatic[..] } else { &angles.scattering };
-                    for &scattering_deg in scattering {
-                        for &azimuth_deg in &angles.azimuth {
-                            let path = path(incidence_deg, scattering_deg, azimuth_deg);
-                            // Under a film the whole facet is.
-                            let response = sea.response(&path, (args.slope_x, args.slope_y), 1.0);
-                            let mut cells: Vec<Cell> = parameters.map(Cell::Given).into();
-                            cells.extend([incidence_deg, scattering_deg, azimuth_deg].map(Cell::Given));
-                            let broken = with_breaking.map(|_| {
-                                breaking::sigma0(permittivity, &path, medium.downwind_rad, wind.u10_mps)
-                            });
-                            let mut all = response.sigma0();
-                            for (all, broken) in
-                                all.as_flattened_mut().iter_mut().zip(broken.iter().flatten().flatten())
-                            {
-                                *all += broken;
-                            }
-                            let parts = [all, response.bragg_sigma0(), response.specular_sigma0()];
-                            for [[vv, vh], [hv, hh]] in parts.into_iter().chain(broken) {
-                                cells.extend([hh, hv, vh, vv].map(Cell::Decibels));
-                            }
-                            csv::row(out, &cells)?;
-                        }
+                for of_path in angles.paths() {
+                    let path = path(of_path);
+                    // Under a film the whole facet is.
+                    let response = sea.response(&path, (args.slope_x, args.slope_y), 1.0);
+                    let breaking = args
+                        .breaking
+                        .then(|| breaking::sigma0(permittivity, &path, medium.downwind_rad, wind.u10_mps));
+                    let mut all = response.sigma0();
+                    for (all, breaking) in
+                        all.as_flattened_mut().iter_mut().zip(breaking.iter().flatten().flatten())
+                    {
+                        *all += breaking;
                     }
+                    let mut cells: Vec<Cell> = parameters.map(Cell::Given).into();
+                    cells.extend(of_path.map(Cell::Given));
+                    let parts = [all, response.bragg_sigma0(), response.specular_sigma0()];
+                    for [[vv, vh], [hv, hh]] in parts.into_iter().chain(breaking) {
+                        cells.extend([hh, hv, vh, vv].map(Cell::Decibels));
+                    }
+                    csv::row(out, &cells)?;
                 }
             }
         }
@@ -315,7 +329,7 @@ fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Writ
 }
 
 /// The path whose direction of incidence is that of +x.
-fn path(incidence_deg: f64, scattering_deg: f64, azimuth_deg: f64) -> Path {
+fn path([incidence_deg, scattering_deg, azimuth_deg]: [f64; 3]) -> Path {
     let (cos_i, sin_i) = cos_sin_of_degrees(incidence_deg);
     let (cos_s, sin_s) = cos_sin_of_degrees(scattering_deg);
     let (cos_d, sin_d) = cos_sin_of_degrees(azimuth_deg);

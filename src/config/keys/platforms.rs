@@ -89,7 +89,7 @@ tables! {
     }
     errors "[platform.errors]" "Known errors of what a platform reports: report minus truth. The same seed gives the same errors, in whole runs and in parts." {
         PRESET "preset", Choice(&["sps", "rtk", "tactical", "navigation"]), Means("no errors but those below"), "Class of navigation to start from: satellites, with carrier phase, aided tactical or navigation-grade inertial unit. The keys below stand above it.";
-        RECORDED "recorded", Choice(&["truth", "reported"]), Word("truth"), "What the track is. truth: what happened, errors are added to the report. reported: what was reported, the true motion lies beside it; errors must then be smooth (bias, sinusoid, ramp, walk, Gauss-Markov of position and attitude).";
+        RECORDED "recorded", Choice(&["truth", "reported"]), Word("truth"), "What the track is. truth: what happened, errors are added to the report. reported: what was reported, the true motion differs from it; errors must then be smooth (bias, sinusoid, ramp, walk, Gauss-Markov of position and attitude).";
         RATE_HZ "rate_hz", number("Hz", 0.0, 1e5), Means("that of the preset, or 0: a report at every pulse"), "Reports per second from pulse 0 on.";
         LATENCY_S "latency_s", number("s", 0.0, 60.0), Means("that of the preset, or 0"), "From the epoch of a report to its arrival.";
         JITTER_S "jitter_s", number("s", 0.0, 10.0), default(0.0), "Standard deviation of the arrival (Gaussian). Time stamps are right.";

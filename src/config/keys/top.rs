@@ -23,7 +23,7 @@ tables! {
         SINK "sink", Sections(&sink::TABLE), Means("pulses are counted and forgotten"), "Where pulses go.";
     }
     scene "[scene]" "Where and when. The scene frame is East, North, up at the origin, a point of mean sea level." {
-        ORIGIN_LAT_DEG "origin_lat_deg", number("deg", -90.0, 90.0), Means("a plain local frame that lies nowhere on Earth"), "Latitude of the origin, WGS-84. The three origin keys stand together or not at all.";
+        ORIGIN_LAT_DEG "origin_lat_deg", number("deg", -90.0, 90.0), Means("a plain local frame, not georeferenced"), "Latitude of the origin, WGS-84. The three origin keys stand together or not at all.";
         ORIGIN_LON_DEG "origin_lon_deg", number("deg", -180.0, 360.0), Means("see origin_lat_deg"), "Longitude of the origin, East positive.";
         ORIGIN_H_M "origin_h_m", number("m", -500.0, 10_000.0), Means("see origin_lat_deg"), "Height of mean sea level above the WGS-84 ellipsoid at the origin (the geoid undulation). It converts every height above sea level of the scenario.";
         EARTH "earth", Choice(&["flat", "curved"]), Means("\"curved\" with an origin, \"flat\" without"), "Shape of the mean sea surface.";

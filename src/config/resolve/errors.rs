@@ -1,4 +1,4 @@
-//! What is wrong with the report of a platform, and the air that it flies through.
+//! Errors of a platform's reports, and the turbulence that it flies through.
 
 use crate::config::error::Problem;
 use crate::config::keys::{self, Table};

@@ -11,7 +11,7 @@ use crate::scene::patch::{MAX_SIDE, PatchError};
 use crate::scene::radar::{Aim, AimFrom, Pointing, Radar};
 use crate::scene::sea::PatchPlace;
 
-/// What `[scene]` says about the patch.
+/// The patch by `[scene]`.
 pub(super) struct PatchGiven {
     patch: Option<Patch>,
     /// `None` where it is faulty.

@@ -100,7 +100,7 @@ fn attitude(section: &Section<'_>) -> Option<Rotation<Body, Enu>> {
 fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<FileSource> {
     use keys::track::{MAX_GAP_S, PATH, SMOOTHING};
     let path = section.file(&PATH);
-    // The format says what its heights are measured from.
+    // The format defines what its heights are measured from.
     let known = matches!(format, FileFormat::Inspvax | FileFormat::Sbet { .. });
     // All formats but CSV hold latitudes and longitudes. What cannot be read is reported where the fixes are.
     let geodetic = match (&path, format) {
@@ -138,7 +138,7 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
     }
     let baud = section.count(&BAUD).and_then(|baud| u32::try_from(baud).ok());
     let origin = section.origin(&SOURCE, baud.unwrap_or_default());
-    // What sentences call altitude is above mean sea level; INSPVAX says it itself.
+    // What sentences call altitude is above mean sea level; INSPVAX states it.
     let datum = if section.has(&DATUM) {
         datum(section, ground, true)
     } else {

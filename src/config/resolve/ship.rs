@@ -14,7 +14,7 @@ use crate::scene::Ship;
 use crate::scene::ship::{HullGiven, KelvinWake, ShipMesh, ShipMotion};
 use crate::time::TimeTag;
 
-/// Carrier below which short waves of ships scatter unless it is said that they do not.
+/// Carrier below which short waves of ships scatter by default.
 const BRAGG_BELOW_HZ: f64 = 6e9;
 
 /// `[[ship]]`, then `[[ais]]`.
@@ -105,7 +105,7 @@ fn mesh(section: &Section<'_>, echo: Option<bool>) -> Option<ShipMesh> {
     Some(ShipMesh { used, superstructure, freeboard_m, panel_m: panel_m?, motion: motion? })
 }
 
-/// How it rides the sea; `refused`: it has been said that it does not.
+/// How it rides the sea; `refused`: this is a fault that has been reported.
 fn motion(section: &Section<'_>, refused: bool) -> Option<ShipMotion> {
     use keys::ship::{MOTION, ROLL_PERIOD_S};
     let motion = section.choice(&MOTION)?;

@@ -123,7 +123,7 @@ pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
     };
     // A wrong word has been reported; as the default it makes no further fault.
     let fast = echo.is_none_or(|word| word == "fast");
-    // Knobs of the fast echo may stand beside "reference", so that one key switches a scenario; they do
+    // Settings of the fast echo may stand beside "reference", so that one key switches a scenario; they do
     // nothing there.
     let written = keys::fidelity::TABLE.keys.iter().filter(|key| key.name != ECHO.name && section.has(key));
     let written: Vec<String> = written.map(|key| format!("fidelity.{}", key.name)).collect();

@@ -29,7 +29,7 @@ fn errors(value: &str) -> Run {
 }
 
 #[test]
-fn nothing_is_wrong_unless_it_is_said() {
+fn reports_are_exact_unless_errors_are_set() {
     let run = coastal_with(&[]).unwrap();
     assert!(run.nav.iter().all(|nav| nav.errors.is_none() && nav.gusts.is_none()));
     assert!(run.clocks.clocks.is_empty());
@@ -66,9 +66,9 @@ fn keys_stand_above_presets() {
 
 #[test]
 fn a_truth_beside_the_track_must_be_smooth() {
-    let said = "{ recorded = 'reported', preset = 'sps', velocity = { bias_mps = [1, 0, 0] }, \
+    let table = "{ recorded = 'reported', preset = 'sps', velocity = { bias_mps = [1, 0, 0] }, \
                 position = { white_m = [1, 0, 0], gm_sigma_m = [1, 1, 1] } }";
-    insta::assert_snapshot!(faults_of(&[("platform.1.errors", said)]), @r#"
+    insta::assert_snapshot!(faults_of(&[("platform.1.errors", table)]), @r#"
     platform.1.errors.preset: has no meaning here (recorded = "reported": give position and attitude)
     platform.1.errors.position.white_m: has no meaning here (recorded = "reported": the truth must be smooth)
     platform.1.errors.velocity: has no meaning here (recorded = "reported": the truth must be smooth)
@@ -78,7 +78,7 @@ fn a_truth_beside_the_track_must_be_smooth() {
 }
 
 #[test]
-fn faults_of_errors_and_turbulence_are_told_together() {
+fn faults_of_errors_and_turbulence_are_reported_together() {
     let list = [
         (
             "platform.1.errors",

@@ -94,7 +94,7 @@ fn a_start_that_navigation_decides() {
 }
 
 #[test]
-fn faults_of_live_navigation_are_told_together() {
+fn faults_of_live_navigation_are_reported_together() {
     let list = [
         (
             "platform.1.track",
@@ -122,7 +122,7 @@ fn faults_of_live_navigation_are_told_together() {
     stream.pace: "fast" is not allowed beside live navigation; allowed: "realtime"
     stream.policy: "slip" is not allowed beside live navigation; allowed: "stop", "drop"
     "#);
-    // In a scene that lies nowhere.
+    // In a scene that is not georeferenced.
     let nowhere = faults_of(&[("platform.1.track", "{ kind = 'live', source = '' }")]);
     insta::assert_snapshot!(nowhere, @r#"
     scene.start_utc: is missing; required with live navigation: "live", or the UTC time at which pulse 0 leaves

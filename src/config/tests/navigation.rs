@@ -63,8 +63,8 @@ fn faults_of_navigation() {
     platform.1.track.datum: has no meaning here (kind = "inspvax")
     platform.1.track.gps_week: has no meaning here (kind = "inspvax")
     "#);
-    // In a scene that lies nowhere; before, the track was refused only when all else was right, and its datum
-    // after that.
+    // In a scene that is not georeferenced; before, the track was refused only when all else was right, and
+    // its datum after that.
     insta::assert_snapshot!(faults_of(&[
         ("platform.0.track", "{ kind = 'csv', path = 'tracks/strait_of_dover.csv' }"),
         ("radar.carrier_hz", "-1"),

@@ -32,7 +32,7 @@ pub(super) fn corrupted(text: &str, at: f64, cut: usize, put: &str) -> String {
     chars[..start].iter().copied().chain(put.chars()).chain(chars[end..].iter().copied()).collect()
 }
 
-/// A refused scenario always says why.
+/// A refused scenario always has a reason.
 pub(super) fn survives(text: &str) {
     if let Err(error) = parse(text, &in_configs(), &[]) {
         assert!(!error.faults().is_empty(), "{text}");
@@ -94,23 +94,23 @@ proptest! {
 
 #[test]
 fn rain_that_cannot_return_an_echo() {
-    let said = |overrides: &[(&str, &str)]| {
+    let faults = |overrides: &[(&str, &str)]| {
         let error = parse(QUICKSTART, &in_configs(), &settings(overrides)).unwrap_err();
         error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
     };
     let on = ("radar.rain_clutter", "true");
-    let dry = said(&[on]);
+    let dry = faults(&[on]);
     assert!(dry.contains("radar.rain_clutter") && dry.contains("rain_mmph = 0"), "{dry}");
-    let high = said(&[on, ("radar.rain_mmph", "5"), ("radar.carrier_hz", "35e9")]);
+    let high = faults(&[on, ("radar.rain_mmph", "5"), ("radar.carrier_hz", "35e9")]);
     assert!(high.contains("Rayleigh scattering") && high.contains("3.5e10"), "{high}");
-    let off = said(&[("radar.rain_top_m", "2000"), ("radar.rain_spread_mps", "2")]);
+    let off = faults(&[("radar.rain_top_m", "2000"), ("radar.rain_spread_mps", "2")]);
     assert!(off.contains("rain_top_m") && off.contains("rain_clutter = false"), "{off}");
     for (key, value) in
         [("radar.rain_top_m", "0"), ("radar.rain_top_m", "-5"), ("radar.rain_spread_mps", "-1")]
     {
-        let said = said(&[on, ("radar.rain_mmph", "5"), (key, value)]);
-        assert!(said.contains(key) && said.contains("allowed"), "{said}");
+        let faults = faults(&[on, ("radar.rain_mmph", "5"), (key, value)]);
+        assert!(faults.contains(key) && faults.contains("allowed"), "{faults}");
     }
-    let meant = said(&[("radar.rain_cluter", "true")]);
+    let meant = faults(&[("radar.rain_cluter", "true")]);
     assert!(meant.contains("rain_clutter"), "{meant}");
 }

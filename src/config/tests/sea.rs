@@ -469,7 +469,7 @@ slick.2.corners_m: entry 1, [NaN, 1.0], is out of range; allowed: a list of 3 to
 }
 
 #[test]
-fn slicks_beyond_the_patch_are_said() {
+fn slicks_beyond_the_patch_give_a_warning() {
     let warned = |list: &[(&str, &str)]| {
         let run = sea_with(list).unwrap();
         of_scene(&run).iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
@@ -584,12 +584,12 @@ proptest! {
 
 #[test]
 fn land_needs_a_sea_and_one_gamma() {
-    let said = |overrides: &[(&str, &str)]| {
+    let faults = |overrides: &[(&str, &str)]| {
         let error = parse(SEA, &in_configs(), &settings(overrides)).unwrap_err();
         error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
     };
-    let both = said(&[("land", "{ dem = 'README.md', gamma_db = -12, terrain = 'urban' }")]);
+    let both = faults(&[("land", "{ dem = 'README.md', gamma_db = -12, terrain = 'urban' }")]);
     assert!(both.contains("land.terrain") && both.contains("beside gamma_db"), "{both}");
-    let rain = said(&[("radar.carrier_hz", "400e6"), ("radar.rain_mmph", "5")]);
+    let rain = faults(&[("radar.carrier_hz", "400e6"), ("radar.rain_mmph", "5")]);
     assert!(rain.contains("radar.rain_mmph") && rain.contains("ITU-R P.838-3"), "{rain}");
 }

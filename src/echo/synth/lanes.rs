@@ -21,7 +21,7 @@ use super::grid::{Grids, Lined};
 use super::spread::{DelayPolynomials, Job};
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
-use crate::paths::block::{Instants, Pair, Tile};
+use crate::paths::block::{Instants, Pair, TURNED_LANES, Tile};
 
 /// Room to work; one per thread.
 #[derive(Debug, Default)]
@@ -222,6 +222,7 @@ impl Synth<f32> {
                     factors: factor[pulses.clone()].as_flattened(),
                     turned: turned.get(pulses.clone()).unwrap_or_default().as_flattened().as_flattened(),
                     factor_stride: LANES,
+                    turned_stride: TURNED_LANES,
                     coefficients: &self.coefficients,
                     last_cell: self.last_cell,
                     outside: self.shape.outside() as i32,

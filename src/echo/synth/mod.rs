@@ -431,6 +431,7 @@ impl<T: Scalar> Synth<T> {
                 amplitude_first: share.first as i32 - block.middle(),
                 factors: block.factors[layer.pair].get(share.first * block.len()..).unwrap_or_default(),
                 turned: &[],
+                turned_stride: 0,
                 factor_stride: block.len(),
                 coefficients: &self.coefficients,
                 last_cell: self.last_cell,

@@ -44,10 +44,12 @@ pub(super) struct Job<'a, T: Scalar> {
     pub amplitude_first: i32,
     /// What multiplies the amplitudes, `[pulse of the share][path]`; empty where nothing does.
     pub factors: &'a [T],
-    /// The same where it also turns them, `[pulse of the share][real, imaginary][path]`; empty where not.
-    pub turned: &'a [T],
-    /// Numbers from the factors of one pulse to the next, and from real to imaginary parts.
+    /// Numbers from the factors of one pulse to the next.
     pub factor_stride: usize,
+    /// What turns the amplitudes, `[pulse of the share][real, imaginary][path]`; empty where nothing does.
+    pub turned: &'a [T],
+    /// Numbers from real to imaginary parts, and from these to the next pulse.
+    pub turned_stride: usize,
     /// Kernel coefficients, `[tap][part][term]`.
     pub coefficients: &'a [[[T; MAX_TERMS]; 2]],
     /// Last first cell that is in reach of the window.
@@ -85,7 +87,7 @@ impl<T: Scalar, const W: usize> Passes<T, W> {
 /// Adds the job's scatterer paths to `grids`.
 ///
 /// The two steps are compiled apart, each a [`Task`] of its own: in one function they share the registers,
-/// and the sums wait for constants of the other step that are loaded anew for every scatterer path (a tenth
+/// and the sums wait for constants of the other step that are loaded again for every scatterer path (a tenth
 /// of the time).
 pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
     variant: Variant,
@@ -116,7 +118,12 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
         let amplitude = amplitude.map(|power| &power[part.clone()]);
         let groups = job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride));
         for (pulse, (shifts, grids)) in (0..).step_by(TOGETHER).zip(groups) {
-            variant.run(Place::<T, FUSED, W> { job, part: part.clone(), pulse, shifts, passes: &mut passes });
+            let (part, passes) = (part.clone(), &mut passes);
+            if job.turned.is_empty() {
+                variant.run(Place::<T, FUSED, W, false> { job, part, pulse, shifts, passes });
+            } else {
+                variant.run(Place::<T, FUSED, W, true> { job, part, pulse, shifts, passes });
+            }
             let first = job.amplitude_first + pulse as i32;
             let passes = &passes[..shifts.len()];
             variant.run(Scatter::<T, FUSED, W, C, P> { job, passes, amplitude, first, grids });
@@ -125,8 +132,9 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
     }
 }
 
-/// Phasors, first cells and weights of a chunk at some pulses.
-struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize> {
+/// Phasors, first cells and weights of a chunk at some pulses; what turns amplitudes is compiled apart, for the
+/// loops of those that nothing turns are slower beside it.
+struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool> {
     job: &'a Job<'j, T>,
     part: Range<usize>,
     /// First of the pulses within the share.
@@ -135,7 +143,9 @@ struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize> {
     passes: &'a mut [Passes<T, W>; TOGETHER],
 }
 
-impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUSED, W> {
+impl<T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool> Task
+    for Place<'_, '_, T, FUSED, W, TURNED>
+{
     type Output = ();
 
     #[inline(always)]
@@ -144,11 +154,15 @@ impl<T: Scalar, const FUSED: bool, const W: usize> Task for Place<'_, '_, T, FUS
         let (from, count) = (part.start, part.len());
         for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
             place::<T, FUSED, W>(job, from, count, job.first.wrapping_add(pulse as i32), *shift, passes);
-            let turned = |part: usize| job.turned.get((2 * pulse + part) * job.factor_stride + from..);
-            if let (false, Some(re), Some(im)) = (job.turned.is_empty(), turned(0), turned(1)) {
-                turn(re, im, &mut passes.cos[..count], &mut passes.sin[..count]);
-            } else if let Some(factors) = job.factors.get(pulse * job.factor_stride + from..) {
-                weigh(factors, &mut passes.cos[..count], &mut passes.sin[..count]);
+            let turned = |part: usize| job.turned.get((2 * pulse + part) * job.turned_stride + from..);
+            let (cos, sin) = (&mut passes.cos[..count], &mut passes.sin[..count]);
+            let factors = job.factors.get(pulse * job.factor_stride + from..);
+            if !TURNED {
+                if let Some(factors) = factors {
+                    weigh(factors, cos, sin);
+                }
+            } else if let (Some(re), Some(im), Some(factors)) = (turned(0), turned(1), factors) {
+                turn(re, im, factors, cos, sin);
             }
         }
     }
@@ -194,11 +208,14 @@ fn weigh<T: Scalar>(factors: &[T], cos: &mut [T], sin: &mut [T]) {
     }
 }
 
-/// Phasors times those of their scatterer paths.
+/// Phasors times those of their scatterer paths and their factors.
 #[inline(always)]
-fn turn<T: Scalar>(re: &[T], im: &[T], cos: &mut [T], sin: &mut [T]) {
-    for (((re, im), cos), sin) in re.iter().zip(im).zip(cos).zip(sin) {
-        (*cos, *sin) = (*cos * *re - *sin * *im, *cos * *im + *sin * *re);
+fn turn<T: Scalar>(re: &[T], im: &[T], factors: &[T], cos: &mut [T], sin: &mut [T]) {
+    let n = cos.len().min(re.len()).min(im.len()).min(factors.len()).min(sin.len());
+    let (re, im, factors, cos, sin) = (&re[..n], &im[..n], &factors[..n], &mut cos[..n], &mut sin[..n]);
+    for i in 0..n {
+        let (c, s) = (cos[i] * factors[i], sin[i] * factors[i]);
+        (cos[i], sin[i]) = (c * re[i] - s * im[i], c * im[i] + s * re[i]);
     }
 }
 

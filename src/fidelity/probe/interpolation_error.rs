@@ -16,10 +16,9 @@ use crate::paths::block::{
 };
 use crate::radar::fault::RadarError;
 
-/// What is added to scattering of sidelobe tiles where facets turn away: scattering epochs are so far apart
-/// there that single facets, found late where they do, leave more in the worst pulse than any sample says (12
-/// dB above it, with scattering epochs at both ends alone, in the grazing scene of
-/// `tests/agreement/planned.rs`).
+/// Factor on the scattering error of sidelobe tiles where facets turn away. Their scattering epochs are so
+/// far apart that single facets whose turn is found late leave more in the worst pulse than any sample shows:
+/// 12 dB more with epochs at both ends alone, in the grazing scene of `tests/agreement/planned.rs`.
 const OF_TURNING: f64 = 10.0;
 
 /// What interpolation between nodes leaves at a probe.
@@ -36,14 +35,14 @@ pub struct InterpolationError {
 /// Of delays, of scattering: `[channel]`, by gain.
 type Parts = [Vec<Binned>; 2];
 
-/// What a block leaves at its probes, tile by tile evaluated closely or as a in the sidelobes one.
+/// What a block leaves at its probes, each tile taken as a mainlobe tile and as a sidelobe tile.
 #[derive(Clone, Debug, Default)]
 pub struct Probed {
     /// Pulses of the probes to the nearer end of the block.
     edges: Vec<u64>,
     /// `[epochs from node to node - 1][probe]`.
     close: [Vec<Parts>; EPOCHS_PER_NODE],
-    /// `[probe]`; as the close ones where blocks have no sidelobe tiles.
+    /// `[probe]`; those of mainlobe tiles where blocks have no sidelobe tiles.
     sidelobe: Option<Vec<Parts>>,
     channels: usize,
     share: f64,
@@ -53,8 +52,8 @@ pub struct Probed {
 }
 
 impl Probed {
-    /// Of so many scattering epochs from node to node, where tiles are in the sidelobes at a sidelobe
-    /// threshold: at every probe.
+    /// At every probe, with so many scattering epochs from node to node and sidelobe tiles by the threshold
+    /// of a candidate.
     pub fn left(&self, epochs: usize, candidates: &Candidates, candidate: usize) -> Vec<InterpolationError> {
         if self.edges.is_empty() {
             return vec![nothing(self.channels)];
@@ -124,7 +123,7 @@ impl ErrorSampler<'_> {
         for n in 0..=EPOCHS_PER_NODE {
             let sidelobe = n == EPOCHS_PER_NODE;
             let block = Instants::of_block(first, pulses, if sidelobe { 1 } else { n + 1 }, pulses);
-            // The last time round all tiles are taken for in the sidelobes ones.
+            // The last time round all tiles are taken as sidelobe tiles.
             let tiers = Tiers::new(block, sidelobe.then_some(all));
             if sidelobe && tiers.sidelobe.is_none() {
                 break;

@@ -117,7 +117,7 @@ mod tests {
         ] {
             assert!((in_phase(&terms) - wanted).abs() < 1e-12, "{terms:?}");
         }
-        // Places that f64 no longer tells apart.
+        // Places that f64 no longer resolves.
         assert!(in_phase(&[(1e300, 1.0), (1e300, 1.0), (f64::INFINITY, 1.0)]).is_finite());
     }
 

@@ -3,9 +3,9 @@
 //! Echoes of facets add with random phases, so errors add as powers, and the error of a pulse relative to the
 //! echo is that of a sample of its facets, weighted by what they return. At a few **places** of the run some
 //! [`TILES`] tiles, runs of neighbours from all over the patch, are illuminated at the instants of a block,
-//! with all between interpolated as the echo does it, once as tiles that are evaluated closely and once as in
-//! the sidelobes ones; and at **probes**, pulses between two nodes, as if these were nodes themselves. Sums
-//! are kept by the gain of a run, so that they show what is left wherever sidelobe tiles begin
+//! with all between interpolated as the echo does it, once as mainlobe tiles and once as sidelobe tiles; and
+//! at **probes**, pulses between two nodes, as if these were nodes themselves. Sums are kept by the gain of a
+//! run, so that they show what is left wherever sidelobe tiles begin
 //! ([`sidelobe`](crate::fidelity::sidelobe)). With `a` the amplitude of a channel without gains, `G` the
 //! gains and shadows, `tau` the delay, and a hat for what is interpolated,
 //!
@@ -14,7 +14,7 @@
 //! ```
 //!
 //! at the worst probe and place; path and tilt at one and the same. What the worst pulse has more
-//! than the sum says, and what the sample may have missed, is in [`worst`](super::worst).
+//! than the sum, and what the sample may have missed, is in [`worst`](super::worst).
 //!
 //! Closed forms of flight, waves and gains are in `docs/physics.md` section 15.7; a sample also knows what
 //! these do not: facets that turn away, nulls of scattering, waves of ships, shadows, heights
@@ -29,8 +29,8 @@
 //!
 //! Targets and direct paths are few: they are followed themselves, in [`points`].
 //!
-//! Limits: [`TILES`] x 256 facets; a beam that illuminates fewer than some hundred of them is sampled poorly (10 %
-//! of 100). What moves the platforms between the places is not seen.
+//! Limits: [`TILES`] x 256 facets; a beam that illuminates fewer than some hundred of them is sampled poorly
+//! (10 % of 100). What moves the platforms between the places is not seen.
 
 mod interpolation_error;
 mod line;
@@ -68,8 +68,8 @@ pub const PROFILE: u64 = 48;
 const GROUPS: usize = 6;
 /// Patches up to so many facets are evaluated in more places.
 const SMALL_FACETS: usize = 1 << 15;
-/// Most power of the breaking waves and the rain of a pulse over the most that a few dozen pulses show: they add with random
-/// phases, and come and go.
+/// Most power of the breaking waves and the rain of a pulse over the most that a few dozen pulses show: they
+/// add with random phases, and come and go.
 const MOST_OF_EXACT: f64 = 2.0;
 /// Longest block, pulses.
 pub const LONGEST: u64 = 64;
@@ -110,7 +110,7 @@ impl Truth {
     }
 }
 
-/// Soundings of a run.
+/// Samples the error on a run.
 pub struct ErrorSampler<'a> {
     generator: &'a PathGenerator,
     radar: &'a Radar,
@@ -151,8 +151,8 @@ pub struct ErrorSampler<'a> {
 pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
 
 impl<'a> ErrorSampler<'a> {
-    /// For a run of so many pulses, with tiles that are in the sidelobes below a gain that is asked, if one
-    /// is; illuminates the sample once at every place.
+    /// For a run of so many pulses, with the sidelobe threshold if one is asked; illuminates the sample once
+    /// at every place.
     ///
     /// # Errors
     /// A track that ends before the run.
@@ -227,7 +227,7 @@ impl<'a> ErrorSampler<'a> {
             )?;
             let [powers, worst] = self.powers(index, &truths)?;
             self.count_kept(&truths, count as f64);
-            self.look_for_turning(&truths);
+            self.find_turning(&truths);
             for (lanes, bin) in
                 truths.iter().step_by(self.channels.len().max(1)).flat_map(|truth| &truth.runs)
             {
@@ -293,7 +293,7 @@ impl<'a> ErrorSampler<'a> {
     }
 
     /// Whether facets turn away from an antenna at a pulse.
-    fn look_for_turning(&mut self, truths: &[Truth]) {
+    fn find_turning(&mut self, truths: &[Truth]) {
         let mut cosines = vec![[Cosines::default(); 2]; self.channels.len()];
         for (n, truth) in truths.iter().enumerate() {
             for (of, cosine) in cosines[n % self.channels.len()].iter_mut().zip(&truth.cosine) {
@@ -484,7 +484,7 @@ impl<'a> ErrorSampler<'a> {
         self.generator.sampled(TILES)
     }
 
-    /// Share of the facets that are in the sidelobes at a sidelobe threshold, mean over the run.
+    /// Share of the facets in sidelobe tiles by the threshold of a candidate, mean over the run.
     pub fn sidelobe_share(&self, candidate: usize) -> f64 {
         let sidelobe =
             self.gains.iter().enumerate().filter(|(bin, _)| self.candidates.is_sidelobe(*bin, candidate));
@@ -496,7 +496,7 @@ impl<'a> ErrorSampler<'a> {
         if self.turning { 3 } else { 2 }
     }
 
-    /// Gains below which tiles may be in the sidelobes.
+    /// Gains below which tiles may be sidelobe tiles.
     pub fn candidates(&self) -> &Candidates {
         &self.candidates
     }

@@ -8,10 +8,12 @@
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and
 //! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as they
 //! are drawn, and in what is left with the most that they return at any pulse. Targets that crests hide count
-//! likewise: as hidden as they are, and not at all.
+//! likewise: as hidden as they are, and not at all. What land and ships hide is known beforehand: it counts as
+//! hidden as it is in both.
 //!
 //! What lifts a target is a Gaussian process: the largest of `N` stretches of the run exceeds the largest of
-//! the `n` that are followed by about `sqrt(ln N / ln n)`, by which what is left of such targets is multiplied.
+//! the `n` that are followed by about `sqrt(ln N / ln n)`, by which what is left of such targets is
+//! multiplied.
 //!
 //! Panels of ships have nodes of their own, and gains that are found at every pulse: what cubics leave of them is
 //! what they leave of the amplitude without these, times gains and the share that is not hidden. It may be in phase
@@ -38,7 +40,7 @@ const MOST_FOLLOWED: u64 = 1 << 20;
 const STRETCHES: std::ops::RangeInclusive<u64> = 1..=64;
 /// Points that are followed.
 const MOST_POINTS: usize = 1024;
-/// Dopplers of which a [`Law`] is reported, over the largest.
+/// Dopplers at which a [`Law`] is found, over the largest.
 const KNOTS: [f64; 6] = [1e-9, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
 
 /// What the points of a run return.
@@ -415,8 +417,8 @@ impl ErrorSampler<'_> {
         Ok(Variation { of_points, pairs })
     }
 
-    /// Points of a pulse, its window's start and their rates by pair; silent are those that the window does
-    /// not hear at all, and those without a course.
+    /// Points of a pulse, its window's start and their rates by pair. Points that the window does not receive
+    /// at all, and those without a delay polynomial, are silent.
     fn points_at(&mut self, index: u64, paths: &mut ScattererPaths) -> Result<(f64, Vec<Rates>), RadarError> {
         self.generator.points(index, &mut self.memory, paths)?;
         let opens_s = self.generator.window_start_of(index)?;
@@ -563,7 +565,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_have_the_mean_of_what_is_heard() {
+    fn blocks_have_the_mean_of_what_is_received() {
         assert_eq!(of_points(64), [0, 32, 63]);
         assert_eq!((of_points(1), of_points(0)), ([0; 3], [0; 3]));
         // Facets of 2 W, and points of 6 W over three pulses; nothing but what is not received; nothing.

@@ -25,10 +25,10 @@ pub struct Swept {
 /// `[probe][channel]`, by gain.
 type Probed = Vec<Vec<Binned>>;
 
-/// What steps of gain leave at all places, tile by tile evaluated closely or as a in the sidelobes one.
+/// What steps of gain leave at all places, each tile taken as a mainlobe tile and as a sidelobe tile.
 #[derive(Clone, Debug)]
 pub struct Sweeps {
-    /// Pulses from gain to gain: those of close tiles, and more that in the sidelobes ones have then.
+    /// Pulses from gain to gain: of mainlobe tiles, and the more that sidelobe tiles then have.
     steps: Vec<u64>,
     /// `[place][close, sidelobe][step]`.
     sea: Vec<[Vec<Probed>; 2]>,
@@ -40,8 +40,8 @@ pub struct Sweeps {
 }
 
 impl Sweeps {
-    /// Of close tiles with one of the steps, where tiles are in the sidelobes at a sidelobe threshold: worst
-    /// of all places.
+    /// Of mainlobe tiles with one of the steps, with sidelobe tiles by the threshold of a candidate: the
+    /// worst of all places.
     pub fn swept(&self, gain_pulses: u64, candidates: &Candidates, candidate: usize) -> Swept {
         let none = vec![0.0f64; self.channels];
         let mut worst = Swept { end: none.clone(), inner: none };

@@ -35,7 +35,7 @@ const lost = (loss) => `Lost: ${whole(loss.pulses)} ${loss.pulses === 1 ? "pulse
   + (loss.last_s > loss.since_s ? `, most recently at ${span(loss.last_s)}` : "");
 
 /** Everything of the status that is text. */
-export function tell(model) {
+export function report(model) {
   const { status, about, errors } = model;
   if (!status || !about) return;
   id("t-released").textContent = whole(status.released);

@@ -120,7 +120,7 @@ function frame(at) {
   drawn = at;
   dirty = false;
   facts();
-  health.tell(model);
+  health.report(model);
   for (const panel of Object.values(panels)) {
     // What one panel cannot draw keeps no other from being drawn.
     try { panel.draw(model); } catch (error) { console.error(error); }

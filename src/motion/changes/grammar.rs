@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn what_is_wrong_is_reported() {
         let fault = |text: &str| text.parse::<Change>().unwrap_err().to_string();
         insta::assert_snapshot!(
             [

@@ -23,9 +23,9 @@
 //!
 //! A ramp of the position is in the velocity as well, as a ramp of the model is; another ramp goes on from
 //! what has grown. A dropout holds the last report from before it, or moves it on, as `dropouts.during` of
-//! the model says; what changes meanwhile shows when it ends, and one more dropout makes it longer. When the
-//! latency grows, what had arrived before stays at hand until a later report arrives. `clear` ends dropouts
-//! too.
+//! the model has it; what changes meanwhile shows when it ends, and one more dropout makes it longer. When
+//! the latency grows, what had arrived before stays at hand until a later report arrives. `clear` ends
+//! dropouts too.
 //!
 //! What is reported is a function of the instant and of the list of changes alone. Readers take a lock for
 //! reading where there are changes, and look at one number where there are none; nothing is allocated.

@@ -50,7 +50,7 @@ pub fn latest(errors: &Errors, given: &[Given], t_s: f64) -> (usize, LatestRepor
     let mut latency_s = None;
     let mut at_hand: Option<i64> = None;
     let arrived = |at_s: f64, latency_s: Option<f64>, at_hand: Option<i64>| {
-        let epoch = errors.heard_before(at_s, latency_s).epoch;
+        let epoch = errors.received_before(at_s, latency_s).epoch;
         at_hand.map_or(epoch, |held| held.max(epoch))
     };
     for one in &given[..in_effect] {

@@ -62,7 +62,7 @@ pub const ATTITUDE: usize = 6;
 /// Most values that the series of one platform may hold (256 MiB).
 pub const MOST_VALUES: u64 = 1 << 25;
 
-/// What is wrong with what a platform says, or with where it goes.
+/// Errors of what a platform reports, or of where it goes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorModel {
     /// Which trajectory the platform's track is.
@@ -103,15 +103,17 @@ impl Default for ErrorModel {
 
 /// Which trajectory a track is. Either way the error is the report less the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Recorded {
     /// What happened: errors are added to the report.
     Truth,
-    /// What the platform said: the true motion lies beside it by the error, which must be smooth.
+    /// What the platform reported: the true motion differs from it by the error, which must be smooth.
     Reported,
 }
 
 /// What a consumer does with a report that is not of this very instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Between {
     /// Moves the position on with the reported velocity; the attitude is held.
     Extrapolate,

@@ -11,7 +11,7 @@
 //! of satellites alone is white. Typical catalogue figures, from no single source; rates and latencies lie
 //! within what such receivers have (1 to 10 Hz and 20 to 100 ms, inertial systems 100 to 400 Hz). Biases of
 //! gyroscopes and accelerometers are not drawn apart: an aided filter has taken them out but for what the
-//! table says, and what they do in a long dropout is not modelled.
+//! table states, and what they do in a long dropout is not modelled.
 //!
 //! ```
 //! use nereus::motion::errors::preset::Class;
@@ -25,6 +25,7 @@ const TAU_S: f64 = 100.0;
 
 /// A class of navigation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Class {
     /// Satellites, standard positioning service.
     Sps,

@@ -284,7 +284,7 @@ impl Errors {
 
     /// The report that was at hand just before: a report that is made or arrives at the instant itself is
     /// not.
-    pub fn heard_before(&self, t_s: f64, latency_s: Option<f64>) -> LatestReport {
+    pub fn received_before(&self, t_s: f64, latency_s: Option<f64>) -> LatestReport {
         self.latest_after(t_s - 2.0 * self.epochs.slack_s(), latency_s)
     }
 
@@ -296,7 +296,7 @@ impl Errors {
     }
 
     /// The report that is at hand `t_s` after pulse 0 where reports take another time to arrive than the
-    /// model says.
+    /// model has it.
     pub fn latest_after(&self, t_s: f64, latency_s: Option<f64>) -> LatestReport {
         let Self { model, epochs, .. } = self;
         let (between, dropout) = (model.between, false);

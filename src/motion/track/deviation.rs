@@ -1,4 +1,4 @@
-//! Smooth motion beside a track: gusts, and the truth beside what an instrument said.
+//! Smooth motion beside a track: gusts, and the truth beside what an instrument reported.
 //!
 //! Six axes, East, North, up (m) and roll, pitch, heading (rad), each a chain of quintic segments
 //! ([`crate::motion::hermite`]) on nodes at equal steps that carry value, first and second derivative: C2, as
@@ -7,7 +7,7 @@
 //!
 //! `p = roll' - yaw' sin(pitch)`, `q = pitch' cos(roll) + yaw' cos(pitch) sin(roll)`,
 //! `r = -pitch' sin(roll) + yaw' cos(pitch) cos(roll)` along forward, starboard, down. Within 1e-6 of the
-//! vertical, where rates of yaw and roll cannot be reported apart, the rate of the track is turned with the
+//! vertical, where rates of yaw and roll cannot be separated, the rate of the track is turned with the
 //! body.
 
 use glam::DVec3;
@@ -38,7 +38,7 @@ pub(super) struct Deviation {
     first_s: f64,
     step_s: f64,
     nodes: Vec<[Jet; 6]>,
-    /// Known errors, which the truth lies short of.
+    /// Known errors, by which the truth differs from the track.
     short_of: Option<Box<Errors>>,
 }
 

@@ -64,7 +64,7 @@ pub enum TrackError {
         /// Its time.
         time: TimeTag,
     },
-    /// Latitudes and longitudes in a scene that lies nowhere on Earth.
+    /// Latitudes and longitudes in a scene that is not georeferenced.
     #[error(
         "{}: positions are latitudes and longitudes, but the scene is a plain local frame; \
          give the scene an origin, or the track x_m, y_m, z_m",
@@ -74,7 +74,7 @@ pub enum TrackError {
         /// The file.
         path: PathBuf,
     },
-    /// A platform is placed by latitude and longitude in a scene that lies nowhere on Earth.
+    /// A platform is placed by latitude and longitude in a scene that is not georeferenced.
     #[error(
         "a platform is placed by latitude and longitude, but the scene is a plain local frame; \
          give the scene an origin, or the platform a local position"
@@ -271,7 +271,7 @@ pub enum TurbulenceFault {
         /// What is allowed.
         allowed: &'static str,
     },
-    /// A track that says nothing about pulse 0.
+    /// A track that does not reach pulse 0.
     #[error("turbulence: {0}")]
     Track(#[from] TrackError),
 }

@@ -10,7 +10,7 @@
 //! the largest values (to 2 %) that keep it below: the vertical one until the vertical alone keeps half the
 //! bound, then the horizontal one until the whole does. The bound holds between the nodes as well: the
 //! acceleration of a segment stays inside the hull of its Bernstein control values, and those are what is
-//! compared. The [`FitReport`] says which of the two decided, and the residuals, which show the price; a
+//! compared. The [`FitReport`] states which of the two decided, and the residuals, which show the cost; a
 //! track that misses its fixes by more than [`MAX_MISFIT_SIGMAS`] standard deviations (rms) is refused, since
 //! a bound below what was really flown cuts corners.
 
@@ -127,7 +127,7 @@ pub(crate) fn to_local_axes(place: &Place, frame: &SceneFrame) -> DMat3 {
     }
 }
 
-/// Where a fix is in the scene; `None` if that lies nowhere on Earth and the fix does.
+/// Where a fix is in the scene; `None` if the scene is not georeferenced and the fix is.
 pub(crate) fn position(fix: &Fix, frame: &SceneFrame) -> Option<DVec3> {
     match fix.place {
         Place::Local(point) => Some(point.raw()),

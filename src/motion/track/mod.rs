@@ -340,7 +340,7 @@ impl Track {
         model.rate_hz.is_some() || model.quantisation != [0.0; 3] || model.axes.iter().any(jumps)
     }
 
-    /// What a platform whose report this is says at an instant, and how old that is. Nothing is allocated.
+    /// What the platform reports at an instant, and how old that is. Nothing is allocated.
     ///
     /// # Errors
     /// As [`Self::state`].

@@ -69,7 +69,7 @@ pub(super) fn between(
 
 /// Why a node has no attitude.
 pub(super) enum NoAttitude {
-    /// The motion is too slow to tell a heading: its horizontal speed, m/s.
+    /// The motion is too slow to give a heading: its horizontal speed, m/s.
     Slow(f64),
     /// None was recorded.
     Missing,

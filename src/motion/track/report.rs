@@ -1,5 +1,5 @@
-//! What a platform says: its track at the epoch of the report at hand, wrong by its errors, moved on to the
-//! instant.
+//! What a platform reports: its track at the epoch of the report at hand, wrong by its errors, moved on to
+//! the instant.
 //!
 //! `p = p_k + e_k + (v_k + e'_k) (t - t_k)` (or held), `k` the report that has arrived
 //! ([`crate::motion::errors`]); velocity and attitude are those of the epoch. A report of the instant itself
@@ -19,7 +19,7 @@ use crate::motion::track::{State, Track, TrackError};
 use crate::pulse::flags;
 use crate::time::TimeTag;
 
-/// What a platform says at an instant.
+/// What a platform reports at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
     /// The state.
@@ -49,7 +49,7 @@ pub(super) struct Reports {
 }
 
 impl Reports {
-    /// What is said at an instant. Nothing is allocated.
+    /// What is reported at an instant. Nothing is allocated.
     ///
     /// # Errors
     /// An instant that the reported track does not cover.
@@ -63,7 +63,7 @@ impl Reports {
         }
     }
 
-    /// What is said at an instant by which some changes have begun.
+    /// What is reported at an instant by which some changes have begun.
     fn changed(&self, t: TimeTag, given: &[Given]) -> Result<Report, TrackError> {
         if self.right && given.is_empty() {
             return self.base.report(t);

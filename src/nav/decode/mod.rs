@@ -13,7 +13,7 @@
 //! goes on right behind the sync bytes, so a message that is hidden in what seemed another one is found.
 //! Nothing is allocated after [`Decoder::new`].
 //!
-//! Every message and everything that is none is counted in [`Counts`]. A message that says of itself that it
+//! Every message and everything that is none is counted in [`Counts`]. A message that states that it
 //! holds no solution (void) is handed on like others, without a position.
 //!
 //! ```
@@ -52,11 +52,11 @@ const HELD_BYTES: usize = 2 * MAX_BINARY_BYTES;
 pub struct Message {
     /// Line of text on which it stands, from 1; a binary message stands on the line after the last one.
     pub line: u64,
-    /// What it says.
+    /// Its content.
     pub content: Content,
 }
 
-/// What a message says.
+/// Content of a message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Content {
     /// Position, quality and height.
@@ -316,7 +316,7 @@ fn report(content: Result<Content, Unread>, counts: &mut Counts, see: &mut impl 
 }
 
 impl Content {
-    /// Whether this is a position that says of itself that there is none.
+    /// Whether this message of a position states that there is none.
     pub fn is_void(&self) -> bool {
         match self {
             Self::Gga(gga) => gga.fix.is_none(),

@@ -269,7 +269,7 @@ impl<'a> Fields<'a> {
     fn hdt(&self) -> Result<Content, Unread> {
         self.at_least(2)?;
         let heading_deg = self.number(1, (f64::MIN, f64::MAX))?;
-        // Out of range it says nothing.
+        // Out of range it is ignored.
         Ok(Content::Hdt(Hdt { heading_deg: heading_deg.filter(|heading| (0.0..=360.0).contains(heading)) }))
     }
 

@@ -145,8 +145,8 @@ impl Format {
                 }
                 Ok(())
             }
-            Self::InspvaxAscii => novatel::Values::of(solution).map(|said| said.ascii(out)),
-            Self::InspvaxBinary => novatel::Values::of(solution).map(|said| said.binary(out)),
+            Self::InspvaxAscii => novatel::Values::of(solution).map(|values| values.ascii(out)),
+            Self::InspvaxBinary => novatel::Values::of(solution).map(|values| values.binary(out)),
         }
     }
 }

@@ -15,41 +15,41 @@ const STEPS_PER_DEG: f64 = 60e8;
 const UNIT_DEG: f64 = 1e-4;
 
 /// Appends a sentence with checksum and line end.
-pub(super) fn write(sentence: Sentence, said: &Solution, out: &mut Vec<u8>) {
+pub(super) fn write(sentence: Sentence, solution: &Solution, out: &mut Vec<u8>) {
     let start = out.len();
     // Writing to memory does not fail.
-    let _ = fields(sentence, said, out);
+    let _ = fields(sentence, solution, out);
     if out.len() > start {
         let sum = checksum(&out[start + 1..]);
         let _ = write!(out, "*{sum:02X}\r\n");
     }
 }
 
-fn fields(sentence: Sentence, said: &Solution, out: &mut Vec<u8>) -> std::io::Result<()> {
-    let stamp = Stamp::of(said);
-    let angles = said.yaw_pitch_roll_rad.map(tidy);
+fn fields(sentence: Sentence, solution: &Solution, out: &mut Vec<u8>) -> std::io::Result<()> {
+    let stamp = Stamp::of(solution);
+    let angles = solution.yaw_pitch_roll_rad.map(tidy);
     let heading = angles.map(|[yaw, ..]| turn_deg(yaw, UNIT_DEG));
     match sentence {
         Sentence::Gga => {
             write!(out, "$GPGGA,{},", stamp.time)?;
-            position(said, out)?;
+            position(solution, out)?;
             // The altitude takes up the rounding of the separation.
-            let separation_m = (said.undulation_m * 1e4).round() / 1e4;
-            let altitude_m = said.place.h_m - separation_m;
+            let separation_m = (solution.undulation_m * 1e4).round() / 1e4;
+            let altitude_m = solution.place.h_m - separation_m;
             write!(out, ",1,10,1.0,{altitude_m:.5},M,{separation_m:.4},M,,")
         }
         Sentence::Rmc => {
             write!(out, "$GPRMC,{},A,", stamp.time)?;
-            position(said, out)?;
+            position(solution, out)?;
             write!(out, ",")?;
-            let (speed_knots, course_deg) = ground(said);
+            let (speed_knots, course_deg) = ground(solution);
             figure(out, speed_knots)?;
             write!(out, ",")?;
             figure(out, course_deg)?;
             write!(out, ",{:02}{:02}{:02},,,A", stamp.day, stamp.month, stamp.year % 100)
         }
         Sentence::Vtg => {
-            let (speed_knots, course_deg) = ground(said);
+            let (speed_knots, course_deg) = ground(solution);
             write!(out, "$GPVTG,")?;
             figure(out, course_deg)?;
             write!(out, ",T,,M,")?;
@@ -69,7 +69,7 @@ fn fields(sentence: Sentence, said: &Solution, out: &mut Vec<u8>) -> std::io::Re
         }
         Sentence::Gst => {
             write!(out, "$GPGST,{},,,,", stamp.time)?;
-            let [east, north, up] = match said.sigma.position_m {
+            let [east, north, up] = match solution.sigma.position_m {
                 Some(sigma) => sigma.map(|m| Some(f64::from(m))),
                 None => [None; 3],
             };
@@ -83,7 +83,7 @@ fn fields(sentence: Sentence, said: &Solution, out: &mut Vec<u8>) -> std::io::Re
             let (Some([_, pitch, roll]), Some(heading)) = (angles, heading) else { return Ok(()) };
             let (roll, pitch) = (roll.to_degrees(), pitch.to_degrees());
             write!(out, "$PASHR,{},{heading:.4},T,{roll:+.4},{pitch:+.4},+0.00", stamp.time)?;
-            let [yaw, pitch, roll] = match said.sigma.angles_rad {
+            let [yaw, pitch, roll] = match solution.sigma.angles_rad {
                 Some(sigma) => sigma.map(|rad| Some(f64::from(rad).to_degrees())),
                 None => [None; 3],
             };
@@ -102,14 +102,14 @@ fn figure(out: &mut Vec<u8>, value: Option<f64>) -> std::io::Result<()> {
 }
 
 /// Speed, knots, and course, degrees.
-fn ground(said: &Solution) -> (Option<f64>, Option<f64>) {
-    let Some([east, north, _]) = said.velocity_mps else { return (None, None) };
+fn ground(solution: &Solution) -> (Option<f64>, Option<f64>) {
+    let Some([east, north, _]) = solution.velocity_mps else { return (None, None) };
     (Some(east.hypot(north) / KNOT_MPS), Some(turn_deg(east.atan2(north), UNIT_DEG)))
 }
 
-fn position(said: &Solution, out: &mut Vec<u8>) -> std::io::Result<()> {
-    let lat = (said.place.lat_rad.to_degrees().clamp(-90.0, 90.0) * STEPS_PER_DEG).round();
-    let lon = (lon_deg(said.place.lon_rad) * STEPS_PER_DEG).round();
+fn position(solution: &Solution, out: &mut Vec<u8>) -> std::io::Result<()> {
+    let lat = (solution.place.lat_rad.to_degrees().clamp(-90.0, 90.0) * STEPS_PER_DEG).round();
+    let lon = (lon_deg(solution.place.lon_rad) * STEPS_PER_DEG).round();
     let split = |steps: f64| {
         let (all, degree) = (steps.abs() as u64, STEPS_PER_DEG as u64);
         let minutes = all % degree;
@@ -130,9 +130,9 @@ struct Stamp {
 }
 
 impl Stamp {
-    fn of(said: &Solution) -> Self {
-        let mut seconds = said.time.seconds();
-        let mut ns = (said.time.fraction_s() * 1e9).round() as u64;
+    fn of(solution: &Solution) -> Self {
+        let mut seconds = solution.time.seconds();
+        let mut ns = (solution.time.fraction_s() * 1e9).round() as u64;
         if ns >= 1_000_000_000 {
             (seconds, ns) = (seconds + 1, 0);
         }

@@ -5,7 +5,7 @@
 //! complete when the next one begins, and a pause does not close it, because a sentence behind the pause
 //! could still belong to it. INSPVAX is complete by itself.
 //!
-//! Where the attitude of a source is not that of its messages, headings are reported as they were said, and
+//! Where the attitude of a source is not that of its messages, headings are passed on as they came, and
 //! none is waited for.
 //!
 //! ```
@@ -35,7 +35,8 @@ pub struct FixDecoder {
 }
 
 impl FixDecoder {
-    /// A decoder that has read nothing. A fix waits for what it lacks for `max_gap_s` of its own time at most.
+    /// A decoder that has read nothing. A fix waits for what it lacks for `max_gap_s` of its own time at
+    /// most.
     pub fn new(datum: VerticalDatum, undulation_m: f64, attitude: AttitudeSource, max_gap_s: f64) -> Self {
         let headings = matches!(attitude, AttitudeSource::Recorded | AttitudeSource::Automatic);
         Self {

@@ -54,7 +54,7 @@ use std::time::{Duration, Instant};
 use serde::{Serialize, Serializer};
 use thiserror::Error;
 
-use super::line::{self, Line, Look};
+use super::line::{self, Line, Received};
 use super::{FixDecoder, LiveSource, Origin, ReceivedFix};
 use crate::nav::Fix;
 use crate::time::TimeTag;
@@ -74,7 +74,7 @@ pub struct FeedError {
     pub name: String,
     /// Where.
     pub origin: Origin,
-    /// What the system says.
+    /// The system's error.
     pub source: io::Error,
 }
 
@@ -171,7 +171,7 @@ impl std::fmt::Debug for Feed {
 }
 
 impl Feed {
-    /// Hears a source from now on; `name` is that of the platform, for messages. A file is replayed as if it
+    /// Reads a source from now on; `name` is that of the platform, for messages. A file is replayed as if it
     /// were `from` now.
     ///
     /// `deliver` is called on the thread of the feed and must not wait long.
@@ -261,22 +261,22 @@ impl<F: FnMut(ReceivedFix)> Delivery<F> {
     }
 }
 
-/// Hears a line until it is stopped.
+/// Reads a line until it is stopped.
 fn listen<F: FnMut(ReceivedFix)>(mut line: Line, mut delivery: Delivery<F>) {
     let mut buffer = vec![0; READ_BYTES];
     let mut fixes = Vec::new();
     let mut had_been_open = line.is_open();
     let shared = Arc::clone(&delivery.shared);
     while !shared.is_stopped() {
-        let look = line.read(&mut buffer, &|| shared.is_stopped());
+        let received = line.read(&mut buffer, &|| shared.is_stopped());
         let arrived = Instant::now();
         let refused = line.refused();
-        match look {
-            Look::Nothing => {
+        match received {
+            Received::Nothing => {
                 shared.count(|counts| counts.refused = refused);
                 continue;
             }
-            Look::Opened => {
+            Received::Opened => {
                 delivery.count(|counts| {
                     counts.connected = true;
                     counts.reopened += u64::from(had_been_open);
@@ -284,14 +284,14 @@ fn listen<F: FnMut(ReceivedFix)>(mut line: Line, mut delivery: Delivery<F>) {
                 });
                 had_been_open = true;
             }
-            Look::Bytes(bytes) => {
+            Received::Bytes(bytes) => {
                 delivery.decoder.push(&buffer[..bytes], &mut |fix| fixes.push(fix));
                 delivery.count(|counts| {
                     counts.bytes += bytes as u64;
                     counts.refused = refused;
                 });
             }
-            Look::Vanished => {
+            Received::Vanished => {
                 delivery.decoder.interrupt(&mut |fix| fixes.push(fix));
                 delivery.count(|counts| {
                     counts.connected = false;

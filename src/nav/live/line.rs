@@ -20,13 +20,13 @@ pub(super) const PATIENCE: Duration = Duration::from_millis(40);
 const REOPEN: Duration = Duration::from_millis(500);
 /// How long the answer of somebody who listens is waited for.
 const CONNECT: Duration = Duration::from_secs(2);
-/// Between looks at whether anybody has connected.
+/// From one check to the next whether anybody has connected.
 const LOOK: Duration = Duration::from_millis(10);
 /// Silence after which a connection is asked whether it is alive, and time between questions.
 const ALIVE: [Duration; 2] = [Duration::from_secs(5), Duration::from_secs(1)];
 
-/// What a look at a line brought.
-pub(super) enum Look {
+/// What reading a line brought.
+pub(super) enum Received {
     /// So many bytes.
     Bytes(usize),
     /// Nothing yet.
@@ -79,31 +79,31 @@ impl Line {
     }
 
     /// Waits a little for bytes, or for the line. `stop` is asked while an answer is waited for.
-    pub(super) fn read(&mut self, buffer: &mut [u8], stop: &dyn Fn() -> bool) -> Look {
+    pub(super) fn read(&mut self, buffer: &mut [u8], stop: &dyn Fn() -> bool) -> Received {
         self.turn_away();
         let Some(link) = &mut self.link else { return self.reopen(stop) };
         let read = match link {
             Link::Stream(stream) => stream.read(buffer),
             // An empty datagram is no end.
             Link::Datagrams(socket) => match socket.recv(buffer) {
-                Ok(0) => return Look::Nothing,
+                Ok(0) => return Received::Nothing,
                 other => other,
             },
         };
         match read {
             Ok(0) => self.vanish(),
-            Ok(bytes) => Look::Bytes(bytes),
+            Ok(bytes) => Received::Bytes(bytes),
             Err(error) => match error.kind() {
-                ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Look::Nothing,
+                ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Received::Nothing,
                 _ => self.vanish(),
             },
         }
     }
 
-    fn vanish(&mut self) -> Look {
+    fn vanish(&mut self) -> Received {
         self.link = None;
         self.tried = Some(Instant::now());
-        Look::Vanished
+        Received::Vanished
     }
 
     /// Those who connect while somebody is received.
@@ -115,7 +115,7 @@ impl Line {
         }
     }
 
-    fn reopen(&mut self, stop: &dyn Fn() -> bool) -> Look {
+    fn reopen(&mut self, stop: &dyn Fn() -> bool) -> Received {
         if let Some(listener) = &self.listener {
             self.link = listener.accept().and_then(|(stream, _)| connected(stream)).ok();
             if self.link.is_none() {
@@ -132,7 +132,7 @@ impl Line {
                 Origin::TcpListen(_) | Origin::File(_) => None,
             };
         }
-        if self.link.is_some() { Look::Opened } else { Look::Nothing }
+        if self.link.is_some() { Received::Opened } else { Received::Nothing }
     }
 }
 

@@ -1,8 +1,8 @@
-//! Live navigation: what a receiver says while the run goes on.
+//! Live navigation: what a receiver reports while the run goes on.
 //!
-//! A [`LiveSource`] says where the bytes come from and what is made of them; its fixes are those that a file
-//! of the same sentences gives. A [`Feed`] reads it, a [`FixDecoder`] makes fixes of the bytes. A run takes them as
-//! they come, see `motion::live`.
+//! A [`LiveSource`] names where the bytes come from and what is made of them; its fixes are those that a file
+//! of the same sentences gives. A [`Feed`] reads it, a [`FixDecoder`] makes fixes of the bytes. A run takes
+//! them as they come, see `motion::live`.
 //!
 //! Symbols: `max_gap_s` the longest time between two fixes that is interpolated, `max_extrapolation_s` the
 //! longest time after the last fix for which the motion is still reported from it; beyond that it is stale.
@@ -103,7 +103,7 @@ impl fmt::Display for Origin {
 /// A fix of a live source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReceivedFix {
-    /// What was said.
+    /// What it states.
     pub fix: Fix,
     /// When its last byte had come.
     pub arrived: Instant,

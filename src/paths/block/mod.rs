@@ -67,7 +67,7 @@ pub use panels::PanelWork;
 use phasors::Phasors;
 use runs::{Cut, Run};
 use shadows::{Heights, Maker, ShadowWeights};
-pub use tile::{CHANNELS_PER_LAYER, Epoch, FEW, Layer, Node, Pair, Tile, lanes_of};
+pub use tile::{CHANNELS_PER_LAYER, Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of};
 use timing::Timings;
 use travelling::{Part, Specular};
 

@@ -14,7 +14,7 @@ use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Paths, Row};
 use crate::paths::emission::Emission;
 use crate::paths::list::ScattererPaths;
-use crate::paths::mesh::{MeshWork, With};
+use crate::paths::ships::mesh::{MeshWork, With};
 use crate::paths::{PathGenerator, Window};
 use crate::radar::fault::RadarError;
 use crate::radar::polarisation::Axes;

@@ -145,6 +145,12 @@ impl Layer {
     }
 }
 
+/// What turns the facets of a tile at a pulse. Groups of a few facets are written for all pulses: a step from
+/// row to row that is no power of two spreads them over the cache.
+pub type TurnedRow = [f32; TURNED_LANES];
+/// Numbers of such a row.
+pub const TURNED_LANES: usize = LANES + 16;
+
 /// A tile over one pair of antennas.
 #[derive(Clone)]
 pub struct Pair {
@@ -156,8 +162,8 @@ pub struct Pair {
     pub(super) epoch_count: usize,
     /// Per pulse: what multiplies the amplitudes.
     pub factor: Vec<Row>,
-    /// Per pulse, real and imaginary: factors times what turns Bragg waves that travel; empty where they do not.
-    pub turned: Vec<[Row; 2]>,
+    /// Per pulse, real and imaginary: what turns Bragg waves that travel; empty where they do not.
+    pub turned: Vec<[TurnedRow; 2]>,
     channels: usize,
 }
 
@@ -236,9 +242,8 @@ impl Pair {
         for epoch in &mut self.epochs[..self.epoch_count] {
             epoch.layers.iter_mut().for_each(|layer| layer.keep(kept));
         }
-        for row in self.factor.iter_mut().chain(self.turned.as_flattened_mut()) {
-            compact(row, kept);
-        }
+        self.factor.iter_mut().for_each(|row| compact(row, kept));
+        self.turned.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
     }
 }
 

@@ -6,13 +6,14 @@
 //! a sample of the block returns, a tile is handed over twice, its Bragg waves and its specular points.
 
 use super::TileWork;
-use super::tile::Pair;
-use crate::geometry::lanes::LANES;
+use super::tile::{Pair, TURNED_LANES, TurnedRow};
+use crate::cpu::Task;
+use crate::geometry::lanes::{Paths, Row};
 use crate::paths::PathGenerator;
 use crate::paths::sea::SeaPlan;
-use crate::scattering::bragg::Mechanism;
-use crate::scattering::bragg::block::Times;
+use crate::scattering::bragg::block::{BlockPhasors, Phasors, Times};
 use crate::scattering::bragg::group::{GROUP, Looks};
+use crate::scattering::bragg::{BraggLines, Mechanism};
 use crate::scattering::lanes::Batch;
 use crate::scene::Patch;
 
@@ -96,7 +97,7 @@ impl PathGenerator {
         work.part = part;
     }
 
-    /// Factors of every pulse times what turns the part of the tile.
+    /// What turns the part of the tile at every pulse.
     pub(super) fn turn(&self, sea: &SeaPlan, pair: usize, work: &mut TileWork) {
         let TileWork { variant, part, land, timings, nodes, keys, turns, tile, .. } = work;
         let timing = timings.of(tile.tier);
@@ -105,37 +106,66 @@ impl PathGenerator {
             turned.clear();
             return;
         };
-        turned.resize(factor.len(), [[0.0; LANES]; 2]);
+        turned.resize(factor.len(), [[0.0; TURNED_LANES]; 2]);
         turns.resize(factor.len(), [[0.0; GROUP]; 2]);
-        let (first, last) = (&paths[0].paths, &paths[*node_count - 1].paths);
+        let ends = [&*paths[0].paths, &*paths[*node_count - 1].paths];
         let times = Times { first_s: nodes[timing.nodes[0]].elapsed_s, interval_s: tile.interval_s };
-        let mut looks: [Looks; 2] = [[[0.0; GROUP]; 3]; 2];
         for from in (0..tile.count).step_by(GROUP) {
-            let count = GROUP.min(tile.count - from);
-            for (looks, paths) in looks.iter_mut().zip([first, last]) {
-                for (axis, look) in looks.iter_mut().enumerate() {
-                    let (scattered, incident) =
-                        (&paths.scattered[axis][from..], &paths.incident[axis][from..]);
-                    for ((look, scattered), incident) in look.iter_mut().zip(scattered).zip(incident) {
-                        *look = f64::from(*scattered) - f64::from(*incident);
-                    }
-                }
-            }
-            let facets = (&keys[from..from + count], &looks);
-            lines.phasors_of_block(*variant, mechanism, facets, times, turns);
-            for ((turned, turns), factor) in turned.iter_mut().zip(&*turns).zip(&*factor) {
-                for (turned, turns) in turned.iter_mut().zip(turns) {
-                    for ((to, turn), factor) in turned[from..].iter_mut().zip(turns).zip(&factor[from..]) {
-                        *to = turn * factor;
-                    }
-                }
-            }
+            let keys = &keys[from..tile.count.min(from + GROUP)];
+            variant.run(TurnGroup { lines, mechanism, from, keys, ends, times, turns, turned });
         }
         // Land rests.
         for i in (0..if land.count > 0 { tile.count } else { 0 }).filter(|i| land.land[*i] > 0.0) {
-            for (turned, factor) in turned.iter_mut().zip(&*factor) {
-                (turned[0][i], turned[1][i]) = (factor[i], 0.0);
+            for [re, im] in turned.iter_mut() {
+                (re[i], im[i]) = (1.0, 0.0);
             }
         }
     }
+}
+
+/// Turns a group of facets of a tile.
+struct TurnGroup<'a> {
+    lines: &'a BraggLines,
+    mechanism: Mechanism,
+    /// Its first facet.
+    from: usize,
+    keys: &'a [[i64; 2]],
+    /// Paths at the first pulse and at the last.
+    ends: [&'a Paths; 2],
+    times: Times,
+    turns: &'a mut [Phasors],
+    /// Of every pulse.
+    turned: &'a mut [[TurnedRow; 2]],
+}
+
+impl Task for TurnGroup<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lines, mechanism, from, keys, ends, times, turns, turned } = self;
+        let mut looks: [Looks; 2] = [[[0.0; GROUP]; 3]; 2];
+        for (looks, paths) in looks.iter_mut().zip(ends) {
+            for ((look, scattered), incident) in looks.iter_mut().zip(&paths.scattered).zip(&paths.incident) {
+                let (scattered, incident) = (of_group(scattered, from), of_group(incident, from));
+                for i in 0..GROUP {
+                    look[i] = f64::from(scattered[i]) - f64::from(incident[i]);
+                }
+            }
+        }
+        BlockPhasors { lines, mechanism, keys, looks: &looks, times, out: &mut *turns }.run();
+        for (turned, turns) in turned.iter_mut().zip(&*turns) {
+            for (turned, turns) in turned.iter_mut().zip(turns) {
+                if let Some(turned) = turned[from..].first_chunk_mut() {
+                    *turned = *turns;
+                }
+            }
+        }
+    }
+}
+
+/// The lanes of a group, as many as are left.
+#[inline(always)]
+fn of_group(row: &Row, from: usize) -> &[f32; GROUP] {
+    row[from..].first_chunk().unwrap_or(&[0.0; GROUP])
 }

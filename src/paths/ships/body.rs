@@ -100,6 +100,20 @@ impl Body {
         self.sailing.fastest_mps(self.radius_m)
     }
 
+    /// Where its mesh ends, stern and bow, m ahead of midship.
+    pub fn ends_m(&self) -> [f64; 2] {
+        let ahead = self.shade.corners_m.map(|corner| corner.x);
+        [ahead.into_iter().fold(f64::INFINITY, f64::min), ahead.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    /// Where a wave meets an element, or, on its way to a receiver, leaves it, in the ship's axes, m.
+    pub fn at_m(&self, element: &Element, sends: bool) -> DVec3 {
+        match element.second {
+            Some((_, at_m, _)) if !sends => at_m,
+            _ => self.panels[element.panel as usize].centroid_m(),
+        }
+    }
+
     /// Whether an antenna at a place sees an element, in the ship's axes; `sends`: a transmitter.
     pub fn sees(&self, element: &Element, from_m: DVec3, sends: bool) -> bool {
         let free = |panel: u32, at_m: DVec3| {

@@ -63,8 +63,8 @@ impl Hulls {
 
 /// Outside of the convex hull of these places nothing is hidden.
 struct Outline {
-    /// East and North, m.
-    places_m: Vec<[f64; 2]>,
+    /// East and North, m: corners of the box, and where they are thrown.
+    places_m: [[[f64; 2]; 2]; 8],
     /// Everything may be.
     whole: bool,
 }
@@ -84,7 +84,7 @@ impl Outline {
             let reach = if way.z < 0.0 { ((lowest_m - place.z) / way.z).clamp(1.0, most) } else { most };
             [[at.x, at.y], [place.x + way.x * reach, place.y + way.y * reach]]
         };
-        Self { places_m: shade.corners_m.iter().flat_map(thrown).collect(), whole }
+        Self { places_m: shade.corners_m.each_ref().map(thrown), whole }
     }
 
     /// Columns of the patch within, in the row at a place north.
@@ -95,8 +95,9 @@ impl Outline {
         let half_m = 0.5 * patch.facet_m;
         let (low_m, high_m) = (y_m - half_m, y_m + half_m);
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (n, a) in self.places_m.iter().enumerate() {
-            for b in &self.places_m[n..] {
+        let places_m = self.places_m.as_flattened();
+        for (n, a) in places_m.iter().enumerate() {
+            for b in &places_m[n..] {
                 let (a, b) = if a[1] <= b[1] { (a, b) } else { (b, a) };
                 if a[1] > high_m || b[1] < low_m {
                     continue;

@@ -8,7 +8,8 @@
 //! of its amplitude. Both change slowly, and go through the nodes of a block as other amplitudes do.
 //!
 //! What one part of a ship hides of another is found by rays every 0.25 s and cross-faded in between
-//! (`sight`): a factor of every pulse, never interpolated otherwise. A panel echoes where both antennas see it.
+//! (`sight`): a factor of every pulse, never interpolated otherwise; so is what land hides
+//! ([`Hills`](super::hidden::Hills)). A panel echoes where both antennas see it.
 //!
 //! Limits: one wave between two planes, met where the outline of the first panel falls as a whole; pairs are
 //! those met from a few hundred directions; neither crests nor other ships hide a ship,
@@ -18,6 +19,7 @@ mod body;
 mod bounces;
 mod hulls;
 mod lanes;
+pub(super) mod mesh;
 mod motion;
 mod pose;
 mod shade;
@@ -31,14 +33,15 @@ use num_complex::Complex64;
 use body::Body;
 
 pub(super) use hulls::Hulls;
-pub(super) use lanes::{Batch, Instant, WIDTH};
+use lanes::{Batch, WIDTH};
 pub(super) use motion::Seas;
-pub(super) use pose::Pose;
+use pose::Pose;
 use sight::{Knots, Seen};
 
 use crate::frames::{Enu, Point, SceneFrame};
 use crate::geometry::light_time::Path;
 use crate::motion::pointing::PhaseCentre;
+use crate::paths::hidden::Hills;
 use crate::scene::Ship;
 
 /// Time from one update of what hides what to the next, s.
@@ -184,13 +187,13 @@ impl Ships {
     /// Those of `centre`.
     pub fn seen_at<E>(
         &self,
-        frame: &SceneFrame,
+        place: (&SceneFrame, Option<&Hills>),
         knot: i64,
         pairs: &[[usize; 2]],
         centre: impl Fn(usize, f64) -> Result<PhaseCentre, E>,
         out: &mut Vec<u64>,
     ) -> Result<(), E> {
-        self.knots.at(knot, &self.bodies, frame, centre, |seen| {
+        self.knots.at(knot, &self.bodies, place, centre, |seen| {
             for [tx, rx] in pairs {
                 let (tx, rx) = (seen.words(*tx), seen.words(*rx));
                 out.extend(tx.iter().zip(rx).map(|(tx, rx)| tx & rx));
@@ -198,14 +201,14 @@ impl Ships {
         })
     }
 
-    /// Appends the share of the field of every element and pair that passes what hides it, `[element][pair]`.
-    /// `centre` is where an antenna is at a time after pulse 0.
+    /// Appends the share of the field of every element and pair that passes what hides it, land too,
+    /// `[element][pair]`. `centre` is where an antenna is at a time after pulse 0.
     ///
     /// # Errors
     /// Those of `centre`.
     pub fn weights<E>(
         &self,
-        frame: &SceneFrame,
+        place: (&SceneFrame, Option<&Hills>),
         elapsed_s: f64,
         pairs: &[[usize; 2]],
         centre: impl Fn(usize, f64) -> Result<PhaseCentre, E>,
@@ -218,11 +221,11 @@ impl Ships {
             f64::from(u8::from(seen.has(tx, element) && seen.has(rx, element)))
         };
         let ((number, share), first) = (Knots::before(elapsed_s), out.len());
-        self.knots.at(number, &self.bodies, frame, &centre, |before| {
+        self.knots.at(number, &self.bodies, place, &centre, |before| {
             let of = |element| pairs.iter().map(move |pair| seen(before, element, *pair));
             out.extend((0..self.elements).flat_map(of));
         })?;
-        self.knots.at(number + 1, &self.bodies, frame, &centre, |after| {
+        self.knots.at(number + 1, &self.bodies, place, &centre, |after| {
             for (element, weights) in out[first..].chunks_exact_mut(pairs.len().max(1)).enumerate() {
                 for (weight, pair) in weights.iter_mut().zip(pairs) {
                     *weight += share * (seen(after, element, *pair) - *weight);
@@ -278,7 +281,7 @@ mod tests {
         let ships = Ships::new(&[ship(panels)], [1, 1], None);
         let end = PhaseCentre::at_rest(Point::from_raw(place));
         let mut weights = Vec::new();
-        ships.weights(&frame, 0.0, &[[0, 1]], |_, _| Ok::<_, ()>(end), &mut weights).unwrap();
+        ships.weights((&frame, None), 0.0, &[[0, 1]], |_, _| Ok::<_, ()>(end), &mut weights).unwrap();
         let scenery = Scenery { centres: &[end, end], frame: &frame, elapsed_s: 0.0 };
         let mut sum = [Complex64::ZERO; 2];
         ships.visit(&scenery, &[[0, 1]], WAVE_NUMBER, |Echoing { element, path, matrix, .. }| {

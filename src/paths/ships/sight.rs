@@ -1,4 +1,4 @@
-//! What of a ship antennas see, at knots of the run.
+//! What of a ship antennas see past the ship itself and land, at knots of the run.
 //!
 //! Knots are [`EVERY_S`] apart. Antennas are taken straight on from the knot before (live navigation knows
 //! nothing later), so what is seen at a knot depends on nothing but the tracks up to the one before, and joins
@@ -10,6 +10,7 @@ use super::EVERY_S;
 use super::body::Body;
 use crate::frames::SceneFrame;
 use crate::motion::pointing::PhaseCentre;
+use crate::paths::hidden::{Hills, Skyline};
 use crate::paths::kept::Kept;
 
 /// Knots that are kept: those of 16 s.
@@ -20,16 +21,16 @@ const KEPT: usize = 64;
 pub(super) struct Seen {
     words: usize,
     bits: Box<[u64]>,
-    /// Where antennas are, in the scene and in the axes of a ship.
+    /// Where antennas are, in the scene and in the axes of a ship, with the land between.
     places_m: Vec<DVec3>,
-    from_m: Vec<DVec3>,
+    from_m: Vec<(DVec3, Option<Skyline>)>,
 }
 
 impl Seen {
     fn new(antennas: usize, elements: usize) -> Self {
         let words = elements.div_ceil(64);
-        let room = || Vec::with_capacity(antennas);
-        Self { words, bits: vec![0; words * antennas].into(), places_m: room(), from_m: room() }
+        let (places_m, from_m) = (Vec::with_capacity(antennas), Vec::with_capacity(antennas));
+        Self { words, bits: vec![0; words * antennas].into(), places_m, from_m }
     }
 
     /// Bits of the elements that an antenna sees.
@@ -84,7 +85,7 @@ impl Knots {
         &self,
         number: i64,
         bodies: &[Body],
-        frame: &SceneFrame,
+        (frame, hills): (&SceneFrame, Option<&Hills>),
         centre: impl Fn(usize, f64) -> Result<PhaseCentre, E>,
         each: impl FnOnce(&Seen),
     ) -> Result<(), E> {
@@ -100,12 +101,20 @@ impl Knots {
             let mut element = 0;
             for body in bodies {
                 let pose = body.sailing().pose(frame, time_s);
+                let scene_m = |own_m: DVec3| pose.origin_m + pose.axes * own_m;
                 from_m.clear();
-                let own = |place_m: &DVec3| pose.axes.transpose() * (*place_m - pose.origin_m);
-                from_m.extend(places_m.iter().map(own));
+                from_m.extend(places_m.iter().map(|place_m| {
+                    let skyline = hills.and_then(|hills| hills.along(body.ends_m(), scene_m, *place_m));
+                    (pose.axes.transpose() * (*place_m - pose.origin_m), skyline)
+                }));
                 for own in body.elements() {
-                    for (antenna, from_m) in from_m.iter().enumerate() {
-                        if body.sees(own, *from_m, antenna < self.transmitters) {
+                    for (antenna, (from_m, skyline)) in from_m.iter().enumerate() {
+                        let sends = antenna < self.transmitters;
+                        let passes = |skyline: &Skyline| {
+                            let at_m = body.at_m(own, sends);
+                            skyline.passes(at_m.x, scene_m(at_m).z)
+                        };
+                        if skyline.as_ref().is_none_or(passes) && body.sees(own, *from_m, sends) {
                             bits[antenna * *words + element / 64] |= 1 << (element % 64);
                         }
                     }

@@ -117,7 +117,7 @@ fn zero_is_the_middle_of_a_diverging_map() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_said() {
+fn what_cannot_be_drawn_is_reported() {
     let values = [0.0; 6];
     assert!(matches!(
         Picture::new(&values, [4, 2]),

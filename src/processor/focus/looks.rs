@@ -1,4 +1,4 @@
-//! Where receive window and antennas look by what the recording says of the radar: the middle of an image
+//! Where receive window and antennas look by the recording's description of the radar: the middle of an image
 //! that names none, and boresights where the true ones are not recorded.
 
 use glam::{DQuat, DVec3};

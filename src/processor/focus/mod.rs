@@ -11,9 +11,10 @@
 //! | middle | where the radar looks at the middle pulse, to a metre: what the receive window follows, else the aim of the receiver, else that of the transmitter, else the middle of a patch that stays, else the origin |
 //! | pulses | those that left in the channel's polarisation; a pixel takes those in whose Doppler band it lies ([`DopplerBand`]) |
 //!
-//! Neither gain nor range is taken out. Where antennas and window look, and whether an antenna has an aim, follows
-//! from the [`Instrument`] that the recording describes, and of recordings of earlier versions from their scenario:
-//! without both ([`Focuser::new`]) the middle has to be given, and every antenna counts as one that has an aim.
+//! Neither gain nor range is taken out. Where antennas and window look, and whether an antenna has an aim,
+//! follows from the [`Instrument`] that the recording describes, and of recordings of earlier versions from
+//! their scenario: without both ([`Focuser::new`]) the middle has to be given, and every antenna counts as
+//! one that has an aim.
 
 mod error;
 mod gating;
@@ -155,8 +156,8 @@ impl<'a> Focuser<'a> {
     /// Of a recording and what its scenario describes; none where that is not known.
     ///
     /// # Errors
-    /// No channel of echoes, no replica, no true navigation where that is asked, no middle, a grid that cannot
-    /// be, settings out of range.
+    /// No channel of echoes, no replica, no true navigation where that is asked, no middle, a grid that
+    /// cannot be, settings out of range.
     pub fn new(
         recording: &'a Recording,
         scenario: Option<Described<'a>>,

@@ -7,6 +7,7 @@ use crate::processor::multilook::percentile;
 
 /// What the colours of a picture are of.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Scale {
     /// Powers, dBW, so many decibels below the greatest.
     Decibels {

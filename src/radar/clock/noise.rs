@@ -11,9 +11,10 @@
 //! | `h_1` flicker of x up to `f_h` | the same sum, of x | each `h_1 ln 4/(4 pi^2)` |
 //! | `h_2` white x up to `f_h` | x, new at every pulse | `h_2 f_h/(4 pi^2)` |
 //!
-//! Such a sum with processes `r` apart is flicker with a ripple of `2 sech(pi^2/ln r)`, 0.3 % for 4. Its times run from 1/64 of the mean interval (1/(pi `f_h`) for
-//! `h_1`) by as many processes as it takes reach 1e6 s, whatever the length of the run. Walk and flicker begin at zero: offset and drift are those of
-//! pulse 0.
+//! Such a sum with processes `r` apart is flicker with a ripple of `2 sech(pi^2/ln r)`, 0.3 % for 4. Its
+//! times run from 1/64 of the mean interval (1/(pi `f_h`) for `h_1`) by as many processes as it takes reach
+//! 1e6 s, whatever the length of the run. Walk and flicker begin at zero: offset and drift are those of pulse
+//! 0.
 //!
 //! Allan variance (D. W. Allan, *Proc. IEEE* 54 (1966) 221; IEEE 1139):
 //! `h_-2 (2 pi^2/3) tau + h_-1 2 ln 2 + h_0/(2 tau) + h_1 (1.038 + 3 ln(2 pi f_h tau))/(4 pi^2 tau^2) + h_2 3 f_h/(4 pi^2 tau^2)`.

@@ -76,8 +76,8 @@ pub(super) fn of_report(errors: Option<&ErrorModel>, frame: &SceneFrame, time_s:
     matrix
 }
 
-/// Mean squares of the reading of an antenna's clock less time (s^2) and of its fractional frequency, over some
-/// time (s after pulse 0); of its noise only what white frequency noise adds to the reading.
+/// Mean squares of the reading of an antenna's clock less time (s^2) and of its fractional frequency, over
+/// some time (s after pulse 0); of its noise only what white frequency noise adds to the reading.
 pub(super) fn of_clock(clocks: &Clocks, radar: &Radar, name: &str, time_s: &Range<f64>) -> [f64; 2] {
     let at = |place: Option<usize>, list: &[Option<usize>]| list.get(place?).copied().flatten();
     let transmitter = at(radar.transmitters.iter().position(|t| t.name == name), &clocks.transmitters);

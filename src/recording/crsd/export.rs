@@ -121,7 +121,8 @@ impl Table<'_> {
         Ok(planned)
     }
 
-    /// Rows of some pulses, of [`BEFORE`] before them, and of those after them up to where their windows open.
+    /// Rows of some pulses, of [`BEFORE`] before them, and of those after them up to where their windows
+    /// open.
     fn pulses(&self, used: Range<usize>, all: usize) -> Result<Vec<PulseRow>, CrsdError> {
         let windows = self.reals::<1>("pulse/window_start_s", used.clone())?;
         let latest_s = windows.iter().fold(0.0_f64, |latest, [start]| latest.max(*start));

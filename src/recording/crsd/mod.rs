@@ -1,6 +1,6 @@
 //! CRSD 1.0 (NGA.STND.0080): recordings as files that SAR processors read.
 //!
-//! A CRSDsar file with a channel for each channel of echoes. [`Description`] says what CRSD needs to know of a
+//! A CRSDsar file with a channel for each channel of echoes. [`Description`] has what CRSD needs to know of a
 //! run, [`Writer`] takes its pulses, [`export()`] those of a recording. What the file holds, and what the
 //! standard cannot express, is in `docs/formats.md`.
 //!

@@ -1,12 +1,13 @@
 //! Parameters per pulse (PPP) and per vector (PVP) as words of eight bytes, big-endian.
 //!
-//! Phases follow the carrier's oscillator from each emission on: `PhiX0 = f0 Tc/2` at the middle of the pulse,
-//! `RefPhi0 = f0 w` where the window opens `w` after the emission, so that the sample of an echo with delay
-//! `tau` has the phase `-2 pi f0 tau` of a recording.
+//! Phases follow the carrier's oscillator from each emission on: `PhiX0 = f0 Tc/2` at the middle of the
+//! pulse, `RefPhi0 = f0 w` where the window opens `w` after the emission, so that the sample of an echo with
+//! delay `tau` has the phase `-2 pi f0 tau` of a recording.
 //!
-//! **Times.** CRSD wants windows of a channel on one grid of samples, and the emulator opens them anywhere. Both
-//! `TxTime` and `RcvStart` of a pulse are moved onto the grid by the same time, half a sample at most, so their
-//! difference is exact; what must be added to get the exact time is in the added parameter `TimeOffset`.
+//! **Times.** CRSD wants windows of a channel on one grid of samples, and the emulator opens them anywhere.
+//! Both `TxTime` and `RcvStart` of a pulse are moved onto the grid by the same time, half a sample at most,
+//! so their difference is exact; what must be added to get the exact time is in the added parameter
+//! `TimeOffset`.
 
 use glam::DVec3;
 
@@ -95,7 +96,8 @@ impl Record {
         self.whole(time.seconds() - reference_s).real(time.fraction_s())
     }
 
-    /// Cycles that an oscillator turns in a time: whole ones, and the fraction, without rounding of the product.
+    /// Cycles that an oscillator turns in a time: whole ones, and the fraction, without rounding of the
+    /// product.
     pub fn cycles(&mut self, hz: f64, seconds: f64) -> &mut Self {
         let product = hz * seconds;
         let lost = hz.mul_add(seconds, -product);

@@ -1,7 +1,7 @@
 //! Where antennas are and look at the instants that CRSD asks for, as the platforms report it.
 //!
-//! Reports are given at emissions. Between them a phase centre is on the cubic through the four nearest, as in
-//! [`PhasePath`]: the transmitter's at the middle of the pulse, the receiver's where its window opens. The
+//! Reports are given at emissions. Between them a phase centre is on the cubic through the four nearest, as
+//! in [`PhasePath`]: the transmitter's at the middle of the pulse, the receiver's where its window opens. The
 //! velocity is the platform's, interpolated alike; the turn of the lever arm is not in it (`w l`: 5 cm/s for
 //! 1 m and 3 degrees a second). Axes are those at the emission: the true axes of the antenna in the body,
 //! turned with the reported attitude.

@@ -1,10 +1,10 @@
 //! A CRSD file under way: arrays of records at planned places, pulled together at the end.
 //!
-//! The file has, in this order, a header of text, the XML, and the blocks Support, PPP, PVP and Signal, in which
-//! every array follows the one before without a gap. How long arrays are must be known before the first sample
-//! is written: they are planned from the pulses of the run, and written where they will be. Fewer
-//! pulses leave gaps at their ends. Then the arrays behind are moved down, in place; header and XML, which tell
-//! where everything is, are written last, into room kept for them. Nothing but a buffer for each array
+//! The file has, in this order, a header of text, the XML, and the blocks Support, PPP, PVP and Signal, in
+//! which every array follows the one before without a gap. How long arrays are must be known before the first
+//! sample is written: they are planned from the pulses of the run, and written where they will be. Fewer
+//! pulses leave gaps at their ends. Then the arrays behind are moved down, in place; header and XML, which
+//! state where everything is, are written last, into room kept for them. Nothing but a buffer for each array
 //! is held in memory.
 
 use std::fs::File;
@@ -124,7 +124,7 @@ impl Writer {
         })
     }
 
-    /// Takes the pulse of a row; rows around it tell where antennas are between emissions.
+    /// Takes the pulse of a row; rows around it show where antennas are between emissions.
     ///
     /// # Errors
     /// A pulse beyond those planned, windows that overlap, what is no number, and what the system refuses.

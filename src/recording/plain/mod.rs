@@ -1,8 +1,8 @@
 //! Recordings as folders of plain files, for machines without HDF5.
 //!
 //! `meta.json` holds the header and, under `columns`, the type, row shape and description
-//! ([`super::descriptions`]) of every per-pulse file; under `descriptions` that of what is there once. Column `a/b` is the file
-//! `a/b.bin`: rows one after the other in C order, without any header, so
+//! ([`super::descriptions`]) of every per-pulse file; under `descriptions` that of what is there once. Column
+//! `a/b` is the file `a/b.bin`: rows one after the other in C order, without any header, so
 //!
 //! ```python
 //! import json, numpy as np
@@ -13,9 +13,10 @@
 //! ```
 //!
 //! Codes of a converter are pairs of i2: a trailing axis of 2 (in-phase, quadrature). `replica.bin` is
-//! complex64. `pulse/index.bin` is written last at every flush, at least every half second: after a kill the first
-//! `n` rows of every file are complete, n being its length. The columns are listed in [`super::descriptions`].
-//! Where reports may be changed, `truth/changes.jsonl` has a line for every change up to the last pulse:
+//! complex64. `pulse/index.bin` is written last at every flush, at least every half second: after a kill the
+//! first `n` rows of every file are complete, n being its length. The columns are listed in
+//! [`super::descriptions`]. Where reports may be changed, `truth/changes.jsonl` has a line for every change
+//! up to the last pulse:
 //! `{"pulse":2220,"time_ns":..,"platform":"aircraft","text":"step position.up 5 m","source":"scenario"}`.
 
 use std::fs;
@@ -45,8 +46,8 @@ const CHANGES: &str = "truth/changes.jsonl";
 /// Longest list of changes that is read, bytes: a run takes 1024 of them.
 const MOST_CHANGES: u64 = 1 << 20;
 
-/// The changes that a folder lists; `None` where it has no list. A line that is cut, as the last one of a run that was
-/// killed, is left out.
+/// The changes that a folder lists; `None` where it has no list. A line that is cut, as the last one of a run
+/// that was killed, is left out.
 ///
 /// # Errors
 /// A list that cannot be read, or is longer than any that a run makes.

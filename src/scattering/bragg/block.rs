@@ -3,7 +3,10 @@
 //! Lines are asked for at the first pulse and at the last; middle, inverse of the end, and height of the bell
 //! are straight in between. What that leaves of an amplitude is an eighth of their second difference over the
 //! end: with a middle of twice the end, -73 dB where the antennas turn by 0.03 rad about a facet in a block.
-//! Components start at their own phase, from f64, and turn by a constant phasor from pulse to pulse, `RESTART` times.
+//!
+//! A block is cut into pieces in which no component moves by more than `WITHIN` of the bell's end: there its
+//! weight is a straight line between both ends of the piece, at most `WITHIN^2` off (-72 dB). Components start
+//! a piece at their own phase, from f64, and turn by a constant phasor from pulse to pulse.
 
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
@@ -13,10 +16,12 @@ use std::f64::consts::TAU;
 use super::comb::Comb;
 use super::group::{End, GROUP, Looks};
 use super::{BraggLines, Mechanism};
-use crate::cpu::{Task, Variant};
+use crate::cpu::Task;
 
-/// Pulses after which phases are found anew: turning leaves 1e-6 each, -83 dB in as many.
-const RESTART: usize = 64;
+/// Pulses of a piece, at most: turning leaves 1e-6 each, -83 dB in as many.
+const LONGEST: usize = 64;
+/// What a component may move in a piece, over the bell's end.
+const WITHIN: f32 = 1.0 / 64.0;
 
 /// Phasors at a pulse: real and imaginary.
 pub type Phasors = [[f32; GROUP]; 2];
@@ -30,38 +35,29 @@ pub struct Times {
     pub interval_s: f64,
 }
 
-impl BraggLines {
-    /// What turns a mechanism of up to [`GROUP`] facets of global keys at every pulse; `looks`: at the first
-    /// and at the last.
-    pub fn phasors_of_block(
-        &self,
-        variant: Variant,
-        mechanism: Mechanism,
-        (keys, looks): (&[[i64; 2]], &[Looks; 2]),
-        times: Times,
-        out: &mut [Phasors],
-    ) {
-        out.fill([[0.0; GROUP]; 2]);
-        variant.run(Block { lines: self, mechanism, keys, looks, times, out });
-    }
+/// What turns a mechanism of up to [`GROUP`] facets of global keys at every pulse.
+pub struct BlockPhasors<'a> {
+    /// The lines of the sea.
+    pub lines: &'a BraggLines,
+    /// What is turned.
+    pub mechanism: Mechanism,
+    /// The facets.
+    pub keys: &'a [[i64; 2]],
+    /// Where they are looked at from, at the first pulse and at the last.
+    pub looks: &'a [Looks; 2],
+    /// When pulses are.
+    pub times: Times,
+    /// Phasors of every pulse.
+    pub out: &'a mut [Phasors],
 }
 
-/// Adds the lines of a group.
-struct Block<'a> {
-    lines: &'a BraggLines,
-    mechanism: Mechanism,
-    keys: &'a [[i64; 2]],
-    looks: &'a [Looks; 2],
-    times: Times,
-    out: &'a mut [Phasors],
-}
-
-impl Task for Block<'_> {
+impl Task for BlockPhasors<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { lines, mechanism, keys, looks: [first, last], times, out } = self;
+        out.fill([[0.0; GROUP]; 2]);
         let count = keys.len().min(GROUP);
         let mut facets = [0; GROUP];
         for i in 0..count {
@@ -73,8 +69,8 @@ impl Task for Block<'_> {
         lines.of_group(mechanism, last, count, of_last);
         for line in 0..2 {
             let ends = [&ends[0][line], &ends[1][line]];
-            if ends.iter().any(|end| end.height.iter().any(|height| *height != 0.0)) {
-                let number = mechanism.number() + line as u64;
+            if ends[0].highest() > 0.0 || ends[1].highest() > 0.0 {
+                let number = mechanism.number() + line as u32;
                 Sum { comb: lines.comb, facets: &facets, number, ends, times, out: &mut *out }.run();
             }
         }
@@ -85,10 +81,66 @@ impl Task for Block<'_> {
 struct Sum<'a> {
     comb: Comb,
     facets: &'a [u64; GROUP],
-    number: u64,
+    number: u32,
     ends: [&'a End; 2],
     times: Times,
     out: &'a mut [Phasors],
+}
+
+/// A line of a group over the pulses of a block.
+struct Bell {
+    /// Change of the middle from pulse to pulse, rad/s.
+    moved: [f32; GROUP],
+    /// 1 over the bell's end, s/rad, and its change.
+    inverse: [f32; GROUP],
+    narrowed: [f32; GROUP],
+    height: [f32; GROUP],
+    raised: [f32; GROUP],
+}
+
+impl Bell {
+    #[inline(always)]
+    fn between(start: &End, stop: &End, pulses: usize) -> Self {
+        let share = 1.0 / (pulses.max(2) - 1) as f64;
+        let mut bell = Self {
+            moved: [0.0; GROUP],
+            inverse: [0.0; GROUP],
+            narrowed: [0.0; GROUP],
+            height: [0.0; GROUP],
+            raised: [0.0; GROUP],
+        };
+        for i in 0..GROUP {
+            bell.moved[i] = ((stop.centre_radps[i] - start.centre_radps[i]) * share) as f32;
+            bell.inverse[i] = start.inverse[i] as f32;
+            bell.narrowed[i] = ((stop.inverse[i] - start.inverse[i]) * share) as f32;
+            bell.height[i] = start.height[i] as f32;
+            bell.raised[i] = ((stop.height[i] - start.height[i]) * share) as f32;
+        }
+        bell
+    }
+
+    /// Pulses in which no component moves by more than [`WITHIN`].
+    #[inline(always)]
+    fn piece(&self) -> usize {
+        let mut most = 0.0f32;
+        for i in 0..GROUP {
+            let step = self.moved[i].abs() * self.inverse[i] + self.narrowed[i].abs() / self.inverse[i];
+            most = if step > most { step } else { most };
+        }
+        ((WITHIN / most) as usize).clamp(1, LONGEST)
+    }
+
+    /// Weights, at a pulse, of components that lie so far from the middle at the first, rad/s.
+    #[inline(always)]
+    fn weigh(&self, from: &[f32; GROUP], pulse: usize, weight: &mut [f32; GROUP]) {
+        let pulse = pulse as f32;
+        for i in 0..GROUP {
+            let x = (from[i] - pulse * self.moved[i]) * (self.inverse[i] + pulse * self.narrowed[i]);
+            let fall = 1.0 - x * x;
+            let fall = if fall > 0.0 { fall } else { 0.0 };
+            weight[i] = (self.height[i] + pulse * self.raised[i]) * fall * fall;
+        }
+    }
 }
 
 impl Task for Sum<'_> {
@@ -97,23 +149,20 @@ impl Task for Sum<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { comb, facets, number, ends: [start, stop], times, out } = self;
-        let share = 1.0 / (out.len().max(2) - 1) as f64;
         let per_cell = 1.0 / comb.step_radps();
-        let (mut first, mut cells) = ([0i64; GROUP], 0);
+        let (mut first, mut cells) = ([0i32; GROUP], 0);
         for i in 0..GROUP {
             let ([a, b], [c, d]) = (start.span(i), stop.span(i));
-            first[i] = (a.min(c) * per_cell).floor() as i64;
-            cells = cells.max((b.max(d) * per_cell).floor() as i64 - first[i] + 1);
+            first[i] = (a.min(c) * per_cell).floor() as i32;
+            let last = (b.max(d) * per_cell).floor() as i32;
+            cells = cells.max(last.saturating_sub(first[i]).saturating_add(1));
         }
-        let slope = |a: &[f64; GROUP], b: &[f64; GROUP]| -> [f32; GROUP] {
-            std::array::from_fn(|i| ((b[i] - a[i]) * share) as f32)
-        };
-        let moved = slope(&start.centre_radps, &stop.centre_radps);
-        let (inverse, narrowed) = (start.inverse.map(|x| x as f32), slope(&start.inverse, &stop.inverse));
-        let (height, raised) = (start.height.map(|x| x as f32), slope(&start.height, &stop.height));
+        let bell = Bell::between(start, stop, out.len());
+        let length = bell.piece();
         let (to_start, to_next) = (times.first_s / TAU, times.interval_s / TAU);
         let (mut from, mut turns, mut step) = ([0.0f32; GROUP], [0.0f32; GROUP], [0.0f32; GROUP]);
         let (mut at, mut next) = ([0.0f64; GROUP], [0.0f64; GROUP]);
+        let (mut weight, mut end, mut grow) = ([0.0f32; GROUP], [0.0f32; GROUP], [0.0f32; GROUP]);
         for cell in 0..cells {
             for i in 0..GROUP {
                 let (omega_radps, phase) = comb.component(facets[i], number, first[i].wrapping_add(cell));
@@ -122,27 +171,29 @@ impl Task for Sum<'_> {
                 step[i] = (next[i] - next[i].floor()) as f32;
             }
             let [cos_step, sin_step] = phasors(&step);
-            for (part, out) in out.chunks_mut(RESTART).enumerate() {
-                let before = (part * RESTART) as f64;
+            bell.weigh(&from, 0, &mut weight);
+            let mut before = 0;
+            for out in out.chunks_mut(length) {
+                bell.weigh(&from, before + out.len(), &mut end);
+                let share = 1.0 / out.len() as f32;
                 for i in 0..GROUP {
-                    let now = at[i] + before * next[i];
+                    grow[i] = (end[i] - weight[i]) * share;
+                    let now = at[i] + before as f64 * next[i];
                     turns[i] = (now - now.floor()) as f32;
                 }
                 let [mut cos, mut sin] = phasors(&turns);
-                for (pulse, [re, im]) in out.iter_mut().enumerate() {
-                    let pulse = before as f32 + pulse as f32;
+                for [re, im] in &mut *out {
                     for i in 0..GROUP {
-                        let x = (from[i] - pulse * moved[i]) * (inverse[i] + pulse * narrowed[i]);
-                        let fall = 1.0 - x * x;
-                        let fall = if fall > 0.0 { fall } else { 0.0 };
-                        let weight = (height[i] + pulse * raised[i]) * fall * fall;
-                        re[i] += weight * cos[i];
-                        im[i] += weight * sin[i];
+                        re[i] += weight[i] * cos[i];
+                        im[i] += weight[i] * sin[i];
                         let turned = cos[i] * cos_step[i] - sin[i] * sin_step[i];
                         sin[i] = cos[i] * sin_step[i] + sin[i] * cos_step[i];
                         cos[i] = turned;
+                        weight[i] += grow[i];
                     }
                 }
+                before += out.len();
+                weight = end;
             }
         }
     }
@@ -178,6 +229,7 @@ mod tests {
 
     use super::super::tests::lines;
     use super::*;
+    use crate::cpu::Variant;
 
     /// A block is the sum of the reference at every pulse: with a flight past facets, near and far from its
     /// start, in every variant.
@@ -203,7 +255,8 @@ mod tests {
                 }
                 let mut out = vec![[[7.0; GROUP]; 2]; pulses];
                 for (mechanism, at) in [(Mechanism::Specular, 0), (Mechanism::Bragg, 1)] {
-                    lines.phasors_of_block(variant, mechanism, (&keys, &looks), times, &mut out);
+                    let (lines, keys, looks) = (&lines, &keys[..], &looks);
+                    variant.run(BlockPhasors { lines, mechanism, keys, looks, times, out: &mut out });
                     let (mut off, mut power) = (0.0, 0.0);
                     for (pulse, [re, im]) in out.iter().enumerate() {
                         for (n, key) in keys.iter().enumerate() {

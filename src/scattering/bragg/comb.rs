@@ -22,8 +22,6 @@ const END: f64 = 3.316_624_790_355_4;
 const HEIGHT: f64 = 315.0 / 256.0;
 /// Least deviation in cells: narrower lines have no component to carry them.
 const LEAST_CELLS: f64 = 0.5;
-/// Cells numbered from here stand for those of frequencies from here: positive ones only are hashed.
-const MIDDLE: i64 = 1 << 39;
 
 /// A line: what it returns, where it is and how wide.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -74,13 +72,13 @@ impl Comb {
     /// Angular frequency, rad/s, and phase at the start, turns, of the component of a cell: `facet` is the
     /// facet's random number, `number` that of the line.
     #[inline(always)]
-    pub fn component(&self, facet: u64, number: u64, cell: i64) -> (f64, f64) {
-        let bits = of_cell(facet, number, cell);
-        ((cell as f64 + of_32_bits(bits >> 32)) * self.step_radps, of_32_bits(bits & 0xffff_ffff))
+    pub fn component(&self, facet: u64, number: u32, cell: i32) -> (f64, f64) {
+        let [place, turns] = of_cell(facet, number, cell).map(share);
+        ((f64::from(cell) + place) * self.step_radps, turns)
     }
 
     /// A line at a time: `facet` is the facet's random number, `number` that of the line.
-    pub fn phasor(&self, facet: u64, number: u64, line: Line, t_s: f64) -> Complex64 {
+    pub fn phasor(&self, facet: u64, number: u32, line: Line, t_s: f64) -> Complex64 {
         if line.amplitude == 0.0 {
             return Complex64::ZERO;
         }
@@ -88,7 +86,7 @@ impl Comb {
         let end = self.end_radps(line.deviation_radps);
         let (first, last) = ((line.centre_radps - end) / d, (line.centre_radps + end) / d);
         let mut sum = Complex64::ZERO;
-        for cell in first.floor() as i64..=last.floor() as i64 {
+        for cell in first.floor() as i32..=last.floor() as i32 {
             let (omega_radps, start) = self.component(facet, number, cell);
             let x = (omega_radps - line.centre_radps) / end;
             let fall = 1.0 - x * x;
@@ -102,21 +100,31 @@ impl Comb {
     }
 }
 
+/// Random bits as a share of 1. Signed words, for they are what vectors convert at once.
 #[inline(always)]
-fn of_32_bits(bits: u64) -> f64 {
-    bits as f64 * (1.0 / (1u64 << 32) as f64)
+fn share(bits: u32) -> f64 {
+    f64::from(bits.cast_signed()) * (1.0 / (1u64 << 32) as f64) + 0.5
 }
 
-/// Random bits of a cell: SplitMix64 from the facet's own number (Steele, Lea and Flood, OOPSLA 2014).
+/// Random bits of a cell, for its frequency and its phase: each half of the facet's number hashed with the
+/// cell, in words of 32 bits, which vectors can multiply.
 #[inline(always)]
-fn of_cell(facet: u64, number: u64, cell: i64) -> u64 {
-    mixed(
-        facet,
-        (number << 40) | (cell.wrapping_add(MIDDLE).cast_unsigned() & (2 * MIDDLE - 1).cast_unsigned()),
-    )
+fn of_cell(facet: u64, number: u32, cell: i32) -> [u32; 2] {
+    let index = cell.cast_unsigned().wrapping_mul(4).wrapping_add(number);
+    let low = (facet as u32).wrapping_add(index.wrapping_mul(0x9e37_79b9));
+    let high = ((facet >> 32) as u32).wrapping_add(index.wrapping_mul(0x85eb_ca77));
+    [scrambled(low), scrambled(high)]
 }
 
-/// Random bits from others and an index.
+/// The finaliser of MurmurHash3 (Appleby 2011).
+#[inline(always)]
+fn scrambled(mut z: u32) -> u32 {
+    z = (z ^ (z >> 16)).wrapping_mul(0x85eb_ca6b);
+    z = (z ^ (z >> 13)).wrapping_mul(0xc2b2_ae35);
+    z ^ (z >> 16)
+}
+
+/// Random bits from others and an index: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
 #[inline(always)]
 pub(super) fn mixed(from: u64, index: u64) -> u64 {
     let mut z = from.wrapping_add(0x9e37_79b9_7f4a_7c15u64.wrapping_mul(index.wrapping_add(1)));

@@ -24,6 +24,16 @@ impl End {
     /// No line.
     pub const NONE: Self = Self { centre_radps: [0.0; GROUP], inverse: [1.0; GROUP], height: [0.0; GROUP] };
 
+    /// Largest height.
+    #[inline(always)]
+    pub fn highest(&self) -> f64 {
+        let mut most = 0.0;
+        for i in 0..GROUP {
+            most = if self.height[i] > most { self.height[i] } else { most };
+        }
+        most
+    }
+
     /// From where to where it has components, rad/s.
     #[inline(always)]
     pub fn span(&self, i: usize) -> [f64; 2] {

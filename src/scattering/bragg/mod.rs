@@ -102,7 +102,7 @@ pub enum Mechanism {
 
 impl Mechanism {
     /// Number of its first line.
-    fn number(self) -> u64 {
+    fn number(self) -> u32 {
         match self {
             Self::Specular => 0,
             Self::Bragg => 2,

@@ -112,13 +112,13 @@ impl DirectionShare {
     fn at(&self, place: f64, turn: f64) -> [f64; 2] {
         let row = (place as usize).min(self.rows.len() - 2);
         let (column, down) = ((turn as usize).min(AZIMUTHS - 1), place - row as f64);
-        let right = turn - column as f64;
+        let (down, right) = (down as f32, (turn - column as f64) as f32);
         let next = if column + 1 < AZIMUTHS { column + 1 } else { 0 };
         let [a, b] = [&self.rows[row], &self.rows[row + 1]].map(|row| [row[column], row[next]]);
         [0, 1].map(|way| {
-            let [[a0, a1], [b0, b1]] = [a, b].map(|row| row.map(|roots| f64::from(roots[way])));
+            let [[a0, a1], [b0, b1]] = [a, b].map(|row| row.map(|roots| roots[way]));
             let (a, b) = (a0 + right * (a1 - a0), b0 + right * (b1 - b0));
-            a + down * (b - a)
+            f64::from(a + down * (b - a))
         })
     }
 }

@@ -94,7 +94,7 @@ impl Batch {
         self.gather(g, &sums, single);
     }
 
-    /// What multiplies the reflection, into `gain`; says whether there is anything.
+    /// What multiplies the reflection, into `gain`; returns whether there is anything.
     #[inline(always)]
     fn specular_weights(&mut self, water: &LaneWater, kind: &LaneKind) -> bool {
         let k = water.wavenumber_radpm;

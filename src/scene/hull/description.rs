@@ -84,7 +84,7 @@ fn contents(path: &Path) -> std::io::Result<(String, Option<What>)> {
     Ok(String::from_utf8(bytes).map_or((String::new(), Some(What::Encoding)), |text| (text, None)))
 }
 
-/// What a description says, as far as it could be read.
+/// Content of a description, as far as it could be read.
 struct Description {
     facts: Facts,
     offsets: Option<(String, usize)>,
@@ -199,7 +199,7 @@ impl Description {
         Self { facts: Facts { name, draught_m, stated, scatterers }, offsets, draught_line, stated_lines }
     }
 
-    /// The hull, if its table is right; whether all is right is said by the faults.
+    /// The hull, if its table is right; the faults report what is wrong.
     fn hull(self, path: &Path, faults: &mut Vec<HullFault>) -> Option<Hull> {
         let at = |line, what| HullFault { place: Place::Line { path: path.to_owned(), line }, what };
         let (offsets, line) = self.offsets?;

@@ -21,7 +21,7 @@ pub enum HullError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         kind: std::io::ErrorKind,
     },
     /// Files or numbers with faults.
@@ -118,13 +118,13 @@ pub enum What {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         kind: std::io::ErrorKind,
     },
     /// No TOML.
     #[error("{message}")]
     Syntax {
-        /// What the reader said.
+        /// The reader's error.
         message: String,
     },
     /// A key that does not exist.

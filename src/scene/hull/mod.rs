@@ -61,7 +61,7 @@ pub struct Hull {
     scale: f64,
 }
 
-/// What a ship's file says beside its offsets.
+/// What a ship's file has beside its offsets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
     /// Name.
@@ -160,7 +160,7 @@ impl Hull {
     }
 
     /// The same form at another length. Stated particulars and the places of scatterers are scaled with it;
-    /// the radar cross sections of scatterers stay, they are what the file says.
+    /// the radar cross sections of scatterers stay, they are those of the file.
     ///
     /// # Errors
     /// A length out of range.

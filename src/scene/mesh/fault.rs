@@ -16,7 +16,7 @@ pub enum MeshError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         kind: std::io::ErrorKind,
     },
     /// A file with faults.
@@ -57,7 +57,7 @@ pub enum MeshFault {
     /// A file too long.
     #[error("more than {MOST_BYTES} bytes")]
     Long,
-    /// What the reader of the format says.
+    /// The error of the format's reader.
     #[error("{text}")]
     Reader {
         /// Its words.

@@ -1,7 +1,8 @@
 //! Meshes from files: Wavefront OBJ and STL (text or binary), by the crates `tobj` and `stl_io`.
 //!
-//! Metres, x forward of midship, y to port, z up from the design waterline; triangles counter-clockwise as seen
-//! from outside. Materials, colours and normals of the file are not used. All faults are reported at once.
+//! Metres, x forward of midship, y to port, z up from the design waterline; triangles counter-clockwise as
+//! seen from outside. Materials, colours and normals of the file are not used. All faults are reported at
+//! once.
 
 use std::io::Cursor;
 use std::path::Path;

@@ -5,9 +5,9 @@
 //!
 //! The hull above the waterline follows from its offset table, which ends there: sides straight up from the
 //! design waterline to the freeboard, a deck, and a transom (or a blunt bow) where the table does not close.
-//! Between stations the waterline is that of the table ([`crate::scene::hull`]). What stands on it comes from a
-//! file ([`mod@file`]), scaled with the hull. No edge of what is made is longer than asked: an echo is put at the
-//! delay of its triangle's centroid, and a curve is as round as its panels are small.
+//! Between stations the waterline is that of the table ([`crate::scene::hull`]). What stands on it comes from
+//! a file ([`mod@file`]), scaled with the hull. No edge of what is made is longer than asked: an echo is put
+//! at the delay of its triangle's centroid, and a curve is as round as its panels are small.
 //!
 //! ```
 //! use nereus::scene::hull::Hull;
@@ -99,7 +99,8 @@ fn waterline(hull: &Hull, panel_m: f64) -> Vec<[f64; 2]> {
             (of(0, 1, 2) + of(1, 0, 2) + of(2, 0, 1)).max(0.0)
         };
         for part in 0..2 {
-            // Edges of the side are the diagonals of its quads, so half the panel along the waterline will do.
+            // Edges of the side are the diagonals of its quads, so half the panel along the waterline will
+            // do.
             let wide_m = x[part + 1] - x[part];
             let count = (wide_m / panel_m).ceil().clamp(1.0, MOST_PANELS as f64);
             let places = (0..count as usize).map(|n| x[part] + wide_m * n as f64 / count);

@@ -6,9 +6,9 @@
 //!
 //! `V = 1/3 sum (c - C).n dA < -0.02 A^1.5` ,
 //!
-//! `c` the centroids, `n` the normals, `C` the mean of the centroids by area: the volume of a closed part; of an
-//! open one about what it encloses (a cube without a bottom has 0.08 of `A^1.5`), which a sheet, a dish or a
-//! railing does not reach. Such parts face where their corners say.
+//! `c` the centroids, `n` the normals, `C` the mean of the centroids by area: the volume of a closed part; of
+//! an open one about what it encloses (a cube without a bottom has 0.08 of `A^1.5`), which a sheet, a dish or
+//! a railing does not reach. Such parts face where their corners say.
 
 use std::collections::HashMap;
 

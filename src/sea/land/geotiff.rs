@@ -46,7 +46,7 @@ pub enum RasterFault {
     /// Not one band of numbers.
     #[error("its colour type is {0}; allowed: one band of heights")]
     Bands(String),
-    /// It lies nowhere.
+    /// It is not georeferenced.
     #[error(
         "without georeference ({0}); allowed: ModelPixelScale with one ModelTiepoint, or ModelTransformation, beside GeoKeys of EPSG 4326, \
          4258, 4979, 326xx, 327xx or 258xx (gdal_translate -a_srs EPSG:4326 -a_ullr ... writes them)"
@@ -90,8 +90,8 @@ pub enum RasterFault {
         /// North-east corner.
         high: [f64; 2],
     },
-    /// The scene lies nowhere.
-    #[error("the scene lies nowhere on Earth; set scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
+    /// The scene is not georeferenced.
+    #[error("the scene is not georeferenced; set scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
     NoOrigin,
 }
 

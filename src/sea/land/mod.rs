@@ -11,8 +11,8 @@
 //! A facet of land has three random phases, by its global key: those of VV, of HH, and of both cross-polar
 //! entries ([`crate::scattering::land`]).
 //!
-//! **Limits.** Land is seen, and hides facets, within the patch alone; all of the raster hides targets. Nothing on
-//! it moves.
+//! **Limits.** Land is seen, and hides facets, within the patch alone; all of the raster hides targets.
+//! Nothing on it moves.
 
 pub mod geotiff;
 pub mod projection;
@@ -110,6 +110,13 @@ impl Dem {
         let Some(place) = self.place(place_m).filter(|place| self.raster.holds(*place)) else { return 0.0 };
         // Cells without data are sea: a coast beside them slopes to it as to cells of water.
         self.raster.at(place, self.sea_level_m) - self.sea_level_m
+    }
+
+    /// Whether a facet of a side is land: the mean of its corners lies above the sea.
+    pub fn is_land(&self, [x, y]: [i64; 2], facet_m: f64) -> bool {
+        let corner = |key: i64| key as f64 * facet_m - 0.5 * facet_m;
+        let height_m = |right: i64, up: i64| self.height_m([corner(x + right), corner(y + up)]);
+        0.25 * (height_m(0, 0) + height_m(1, 0) + height_m(0, 1) + height_m(1, 1)) > 0.0
     }
 
     /// Random phasors of a facet.

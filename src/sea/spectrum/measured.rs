@@ -43,7 +43,7 @@ pub enum MeasuredError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         kind: std::io::ErrorKind,
     },
     /// The file has faults.

@@ -8,7 +8,7 @@
 //! * **wave** (propagating): energy at K travels along +K. Surface synthesis uses it.
 //! * **symmetric** (image): `[Psi(K) + Psi(-K)]/2`. Scattering uses it.
 //!
-//! A spectrum of one's own is one type that says [`Spectrum::omnidirectional_m3`],
+//! A spectrum of one's own is one type that gives [`Spectrum::omnidirectional_m3`],
 //! [`Spectrum::spreading_per_rad`] and [`Spectrum::peak_rad_m`]:
 //!
 //! ```

@@ -1,9 +1,9 @@
 //! Choppy waves: crests that are sharper and higher than troughs, to second order in the steepness.
 //!
 //! Particles of the surface run on the circles of linear waves: the facet of grid point `x_0` is at
-//! `x = x_0 + D(x_0, t)`, the horizontal displacement of [`super`], so that facets crowd on crests (Gerstner's
-//! wave; Nouguier, Guerin and Chapron 2009). What follows from it, with `S = grad D` (symmetric) and `h` the
-//! linear height:
+//! `x = x_0 + D(x_0, t)`, the horizontal displacement of [`super`], so that facets crowd on crests
+//! (Gerstner's wave; Nouguier, Guerin and Chapron 2009). What follows from it, with `S = grad D` (symmetric)
+//! and `h` the linear height:
 //!
 //! | quantity | value | unit |
 //! | --- | --- | --- |
@@ -13,26 +13,27 @@
 //! | horizontal velocity | `dD/dt`, the orbital velocity of linear waves | m/s |
 //! | vertical velocity | `dh/dt + k (h dh/dt + D.dD/dt)` | m/s |
 //!
-//! **The level**, `k (h^2 + |D|^2)/2`, is half of `k` times the squared envelope. Displacement alone lowers the
-//! mean level of a group of waves by as much, and a Gaussian sea that is only displaced has no skewness at all.
-//! `z_0` makes the mean height over horizontal space zero: `E[z J] = 0` with `z_0 = sum (K - k) s(K)`, `s` the
-//! variance of a wave.
+//! **The level**, `k (h^2 + |D|^2)/2`, is half of `k` times the squared envelope. Displacement alone lowers
+//! the mean level of a group of waves by as much, and a Gaussian sea that is only displaced has no skewness
+//! at all. `z_0` makes the mean height over horizontal space zero: `E[z J] = 0` with
+//! `z_0 = sum (K - k) s(K)`, `s` the variance of a wave.
 //!
 //! **The wave number `k`** follows from the second-order theory of Longuet-Higgins (1963), deep water:
 //!
 //! `k = sum sum M(K_1, K_2) s_1 s_2 / sum sum s_1 s_2`, skewness `3 k sum sum s_1 s_2/(sum s)^(3/2)`,
 //!
-//! with [`interaction_radpm`] for M, `min(K_1, K_2)` of waves that run the same way. A wave beside itself counts
-//! half: amplitudes are drawn, and their fourth powers are twice as much in the mean as of waves of fixed height. The skewness of the height
-//! at second order is then his for any spectrum, and Tayfun's (1980) for a narrow one; a single wave is that of
-//! Stokes. How it is shared between sum and difference of frequencies is not his but for a narrow spectrum. The
-//! waves are those of the map, sorted by octaves in eighths and by direction in steps of 15 degrees.
+//! with [`interaction_radpm`] for M, `min(K_1, K_2)` of waves that run the same way. A wave beside itself
+//! counts half: amplitudes are drawn, and their fourth powers are twice as much in the mean as of waves of
+//! fixed height. The skewness of the height at second order is then his for any spectrum, and Tayfun's (1980)
+//! for a narrow one; a single wave is that of Stokes. How it is shared between sum and difference of
+//! frequencies is not his but for a narrow spectrum. The waves are those of the map, sorted by octaves in
+//! eighths and by direction in steps of 15 degrees.
 //!
-//! **Folds**: where `J` would be less than [`LEAST_AREA`], all of `S` is reduced at that facet until `J` is as
-//! large; height and place stay. The mean of `J` over a map is 1 but for that.
+//! **Folds**: where `J` would be less than [`LEAST_AREA`], all of `S` is reduced at that facet until `J` is
+//! as large; height and place stay. The mean of `J` over a map is 1 but for that.
 //!
-//! Limits: deep water; no drift of the particles (Stokes), no change of frequencies with height; waves shorter
-//! than two facets are not displaced; those of ships move facets, but change neither `J` nor `k`.
+//! Limits: deep water; no drift of the particles (Stokes), no change of frequencies with height; waves
+//! shorter than two facets are not displaced; those of ships move facets, but change neither `J` nor `k`.
 //!
 //! ```
 //! use nereus::sea::surface::choppy::interaction_radpm;
@@ -76,8 +77,8 @@ struct Class {
 }
 
 /// Half the sum of the kernels of sum and difference frequency of two waves in deep water, rad/m: what
-/// `s_1 s_2` are multiplied by in a third of the third moment of the height (Longuet-Higgins 1963, in the form of
-/// Sharma and Dean 1981).
+/// `s_1 s_2` are multiplied by in a third of the third moment of the height (Longuet-Higgins 1963, in the
+/// form of Sharma and Dean 1981).
 pub fn interaction_radpm(first: [f64; 2], second: [f64; 2]) -> f64 {
     let (k1, k2) = (first[0].hypot(first[1]), second[0].hypot(second[1]));
     let product = k1 * k2;
@@ -235,7 +236,8 @@ fn unfolded<T: Real>([xx, yy, xy]: [T; 3]) -> ([T; 3], T) {
     (reduced, T::one() + trace * share + determinant * share * share)
 }
 
-/// Least share of a gradient of a trace and a determinant at which the area is as small as allowed; at most 1.
+/// Least share of a gradient of a trace and a determinant at which the area is as small as allowed; at most
+/// 1.
 fn share(trace: f64, determinant: f64) -> f64 {
     let room = 1.0 - LEAST_AREA;
     // The gradient is symmetric: its discriminant is not negative but for rounding.

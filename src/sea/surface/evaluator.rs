@@ -88,6 +88,13 @@ impl<T: Real> Evaluator<T> {
         let (pair, beside, rest): (_, &mut [T], &mut [T]) =
             if az.is_empty() { (Pair::Rise, uz, az) } else { (Pair::Height, az, uz) };
         let pair = if beside.is_empty() { Pair::Height } else { pair };
+        // Two fields of their own are one pair where both are wanted.
+        let (both, shear, with, alone): (_, &mut [T], &mut [T], &mut [T]) =
+            if shear.is_empty() || stretch_xy.is_empty() {
+                (Pair::ModulationShear, shear, &mut [], stretch_xy)
+            } else {
+                (Pair::Shears, shear, stretch_xy, &mut [])
+            };
         let pairs: [(Pair, &mut [T], &mut [T]); 11] = [
             (pair, height_m, beside),
             (Pair::Slope, slope_x, slope_y),
@@ -97,9 +104,9 @@ impl<T: Real> Evaluator<T> {
             (Pair::Displacement, dx, dy),
             (Pair::SlopeRate, rate_x, rate_y),
             (Pair::Modulation, along_x, along_y),
-            (Pair::ModulationShear, shear, &mut []),
+            (both, shear, with),
             (Pair::Stretch, stretch_x, stretch_y),
-            (Pair::StretchShear, stretch_xy, &mut []),
+            (Pair::StretchShear, alone, &mut []),
         ];
         for found in pairs.iter().flat_map(|(_, first, second)| [first.len(), second.len()]) {
             if found != 0 && found != self.facets {

@@ -17,8 +17,8 @@
 //! `mu -> 0` puts most short waves on the crests; what `mu` delays puts them on the forward faces, so that
 //! a sea is rougher where it leans downwind.
 //!
-//! `R` is quadratic in `b`: `m = M_xx b_x^2 + M_yy b_y^2 + 2 M_xy b_x b_y` with three fields that no direction
-//! enters ([`Fields::modulation`](super::Fields)). They modulate by the positive factor of a facet
+//! `R` is quadratic in `b`: `m = M_xx b_x^2 + M_yy b_y^2 + 2 M_xy b_x b_y` with three fields that no
+//! direction enters ([`Fields::modulation`](super::Fields)). They modulate by the positive factor of a facet
 //!
 //! `exp(m - s^2/2)`, `s^2` the variance of `m` over the sea ([`Strength`]):
 //!

@@ -41,7 +41,7 @@ pub enum StateError {
     /// Reading or writing failed.
     #[error("sea state: {0}")]
     Io(#[source] io::Error),
-    /// Less than the header says.
+    /// Less than the header states.
     #[error("sea state: the file ends too early")]
     Truncated,
     /// Another kind of file.
@@ -73,7 +73,7 @@ pub enum StateError {
     /// The bytes are not those that were written.
     #[error("sea state: the check sum does not match")]
     Checksum,
-    /// More bytes than the header says.
+    /// More bytes than the header states.
     #[error("sea state: bytes follow after the end")]
     Trailing,
 }
@@ -181,7 +181,7 @@ impl Surface {
                 return Err(StateError::Value { what, value });
             }
         }
-        // Memory grows with what is really there, whatever the header says.
+        // Memory grows with what is really there, whatever the header states.
         let mut amplitude_m = Vec::new();
         let mut bytes = vec![0; 16 * grid.ny()];
         for i in 0..grid.nx() {

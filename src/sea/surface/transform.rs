@@ -58,6 +58,8 @@ pub enum Pair {
     Stretch,
     /// Gradient of the displacement, xy, alone.
     StretchShear,
+    /// Modulation, xy, and gradient of the displacement, xy.
+    Shears,
 }
 
 /// Rows of the wave-number plane that are transformed before they are written transposed: one cache line
@@ -83,8 +85,8 @@ pub struct Transform<T: Real> {
     levelled_back: T,
     /// `g` where the horizontal acceleration is `-g` times the slope: gravity waves in any depth.
     gravity: Option<T>,
-    /// Rate at which short waves relax, 1/s.
-    relaxation_per_s: T,
+    /// `[|kx|][ky]`: what relaxation leaves of the contraction, in phase and behind; empty unless it is known.
+    relaxed: [Vec<T>; 2],
     block: Vec<Complex<T>>,
     plane: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
@@ -128,7 +130,7 @@ impl<T: Real> Transform<T> {
             omega,
             excursion,
             gravity: (!dispersion.capillary).then(|| T::round_from(crate::sea::GRAVITY_MPS2)),
-            relaxation_per_s: T::one(),
+            relaxed: [Vec::new(), Vec::new()],
             block: vec![zero; BLOCK.min(nx) * ny],
             plane: vec![zero; nx * ny],
             scratch: vec![zero; scratch],
@@ -136,9 +138,18 @@ impl<T: Real> Transform<T> {
         }
     }
 
-    /// Short waves relax at a rate from now on, 1/s.
+    /// Short waves relax at a rate from now on, 1/s; 1 where none is given.
     pub fn relax(&mut self, rate_per_s: f64) {
-        self.relaxation_per_s = T::round_from(rate_per_s);
+        let rate_per_s = T::round_from(rate_per_s);
+        let [in_phase, behind] = &mut self.relaxed;
+        in_phase.clear();
+        behind.clear();
+        for (omega_rad_s, excursion_m) in self.omega.iter().zip(&self.excursion) {
+            let (re, im) = parts(*omega_rad_s, rate_per_s);
+            let scale = T::round_from(CONTRACTION) * *excursion_m;
+            in_phase.push(scale * re);
+            behind.push(scale * im);
+        }
     }
 
     /// Which column and row of the grid come first in the fields from now on; those before them come last.
@@ -149,6 +160,10 @@ impl<T: Real> Transform<T> {
     /// Fills a pair of fields (the second may be empty). Of slices shorter than the grid whole rows are
     /// filled.
     pub fn run(&mut self, phasors: &Phasors<T>, pair: Pair, first: &mut [T], second: &mut [T]) {
+        let relaxes = matches!(pair, Pair::Modulation | Pair::ModulationShear | Pair::Shears);
+        if relaxes && self.relaxed[0].is_empty() {
+            self.relax(1.0);
+        }
         match (pair, self.gravity) {
             (Pair::HorizontalAcceleration, Some(gravity)) => {
                 self.transform(phasors, Pair::Slope);
@@ -176,7 +191,10 @@ impl<T: Real> Transform<T> {
                 let half = i.min(nx - i) * ny;
                 let factors = Row {
                     levelling: self.levelling,
-                    relaxation_per_s: self.relaxation_per_s,
+                    relaxed: self
+                        .relaxed
+                        .each_ref()
+                        .map(|table| table.get(half..half + ny).unwrap_or_default()),
                     kx: self.kx[i],
                     ky: &self.ky,
                     omega: &self.omega[half..half + ny],
@@ -258,7 +276,7 @@ fn levelling(surface: &Surface) -> f64 {
 /// Factors along one row of the wave-number plane.
 struct Row<'a, T> {
     levelling: T,
-    relaxation_per_s: T,
+    relaxed: [&'a [T]; 2],
     kx: T,
     ky: &'a [T],
     omega: &'a [T],
@@ -325,6 +343,16 @@ impl<T: Real> Row<'_, T> {
             Pair::Stretch => self.multiply(h, out, |ky, _, excursion| {
                 (-(self.kx * self.kx * excursion), -(ky * ky * excursion))
             }),
+            Pair::Shears => {
+                self.modulate(h, g, out, |ky| (self.kx * ky, zero));
+                let n = out.len();
+                let (h, ky, excursion) = (&h[..n], &self.ky[..n], &self.excursion[..n]);
+                for j in 0..n {
+                    // j times what follows.
+                    let stretch = self.kx * ky[j] * excursion[j];
+                    out[j] = Complex::new(out[j].re + stretch * h[j].im, out[j].im - stretch * h[j].re);
+                }
+            }
             // -Kx Ky q/K H
             Pair::StretchShear => {
                 self.multiply(h, out, |ky, _, excursion| (-(self.kx * ky * excursion), zero))
@@ -344,12 +372,9 @@ impl<T: Real> Row<'_, T> {
     ) {
         let n = out.len();
         let (h, g, ky) = (&h[..n], &g[..n], &self.ky[..n]);
-        let (omega, excursion) = (&self.omega[..n], &self.excursion[..n]);
-        let strength = T::round_from(CONTRACTION);
+        let [in_phase, behind] = self.relaxed.map(|table| &table[..n]);
         for j in 0..n {
-            let (in_phase, behind) = parts(omega[j], self.relaxation_per_s);
-            let scale = strength * excursion[j];
-            let (re, im) = (scale * in_phase, scale * behind);
+            let (re, im) = (in_phase[j], behind[j]);
             let field = Complex::new(re * h[j].re - im * g[j].im, re * h[j].im + im * g[j].re);
             let (a, b) = entries(ky[j]);
             out[j] = Complex::new(a * field.re - b * field.im, a * field.im + b * field.re);

@@ -22,12 +22,13 @@
 //!
 //! `Y` is piecewise quadratic (see [`hull`](crate::scene::hull)); with it all integrals over the hull are
 //! exact, whatever the wave number: moments of `exp(k z)` in z, Filon's quadrature in x. The form with `Y_x`
-//! is used for A: it does not lose the ends of the hull in differences, and it says what an open stern is
+//! is used for A: it does not lose the ends of the hull in differences, and it defines what an open stern is
 //! ([`Transom`]).
 //!
 //! Source: Tuck, Lazauskas, Scullen, *Sea Wave Pattern Evaluation I* (1999), sign and factor of the paper's
 //! (25) corrected; Michell (1898) for R. Linear, thin ship, deep water, steady course, fixed trim; no
-//! viscosity. Real slow ships (below a Froude number of about 0.2) make smaller waves than the theory says.
+//! viscosity. Real slow ships (below a Froude number of about 0.2) make smaller waves than the theory
+//! predicts.
 //!
 //! Limits: 0 to 100 m/s. Below [`LEAST_SPEED_MPS`] a ship makes no waves, and no ship makes waves of more
 //! than

@@ -2,7 +2,7 @@
 //! them.
 //!
 //! A map holds waves up to its band limit W(k) ([`nodes`](super::nodes)). Shorter ones are inside its facets.
-//! A facet of side d tells places apart by `s = d/sqrt(12)` (the standard deviation of its square), and wave
+//! A facet of side d resolves places to `s = d/sqrt(12)` (the standard deviation of its square), and wave
 //! vectors by `1/(2 s)`, no better. So its local spectrum is the squared Fourier transform of what was left
 //! out under a Gaussian window of that size. Of free waves it is an integral over their directions,
 //! `t = tan theta`:
@@ -26,7 +26,7 @@
 //!
 //! Little of the integral counts: t with K(t) near K, and whose rays pass near the facet, `|y| = c x`,
 //! `c = t/(1 + 2 t^2)`, from anywhere on the hull. So short waves lie near the track, those of one K on two
-//! thin lines (four, where bow and stern are reported apart).
+//! thin lines (four, where bow and stern are resolved).
 //!
 //! **What ends them.** Viscosity: an amplitude `exp(-2 nu K^2 a)`, `a = x/(V (1 - cos^2 theta/2))` the age of
 //! a ray from midship. Breaking: no spectrum is larger than that of a wave of steepness [`STEEPEST`], which

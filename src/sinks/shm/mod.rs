@@ -4,16 +4,16 @@
 //!
 //! | service | user header | payload | |
 //! | --- | --- | --- | --- |
-//! | `NAME/pulses` | `PulseHeader` | words of 8 bytes: reported states, then samples | every pulse; the last says that the run has ended |
+//! | `NAME/pulses` | `PulseHeader` | words of 8 bytes: reported states, then samples | every pulse; the last marks that the run has ended |
 //! | `NAME/run` | | JSON | what holds for the run, kept for whoever comes later |
 //!
-//! A pulse is copied once, from the queue of the sink into memory that every subscriber sees. Nobody waits for
-//! a subscriber: each has a buffer of `buffer_pulses`, and when that is full the oldest pulse in it makes room.
-//! `sequence` counts what was published, so that a subscriber sees what it has missed. Who comes later gets
-//! the latest `buffer_pulses`.
+//! A pulse is copied once, from the queue of the sink into memory that every subscriber sees. Nobody waits
+//! for a subscriber: each has a buffer of `buffer_pulses`, and when that is full the oldest pulse in it makes
+//! room. `sequence` counts what was published, so that a subscriber sees what it has missed. Who comes later
+//! gets the latest `buffer_pulses`.
 //!
-//! The memory is taken and touched when the sink is opened. Every buffer holds the latest pulses, the same for
-//! all subscribers, so that it takes
+//! The memory is taken and touched when the sink is opened. Every buffer holds the latest pulses, the same
+//! for all subscribers, so that it takes
 //!
 //! ```text
 //! (buffer_pulses + BORROWED subscribers + a few) * bytes of a pulse

@@ -169,8 +169,8 @@ impl ShmSink {
     }
 }
 
-/// Bytes of shared memory that a run takes at most: its pulses, and copies of its description, which holds the
-/// replica and is as long as many pulses where that is long.
+/// Bytes of shared memory that a run takes at most: its pulses, and copies of its description, which holds
+/// the replica and is as long as many pulses where that is long.
 fn needed_bytes(words: usize, slots: usize, text: usize, subscribers: usize) -> u64 {
     // iceoryx2 has room for one that waits and two that are held for each subscriber, and a few more.
     let copies = 3 * subscribers as u64 + 4;

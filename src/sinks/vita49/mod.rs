@@ -98,6 +98,7 @@ pub struct Settings {
 
 /// Which packets are sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Profile {
     /// All of `docs/wire.md`: samples, states, descriptions.
     #[default]

@@ -58,7 +58,8 @@ impl Part {
     }
 }
 
-/// The trailer: time calibrated, data valid, reference locked, over-range reported, place in the sample frame.
+/// The trailer: time calibrated, data valid, reference locked, over-range reported, place in the sample
+/// frame.
 pub(super) fn trailer(part: Part, saturated: bool) -> u32 {
     let enabled = 0b1110_0010 << 24 | 0b11 << 22;
     enabled | 0b111 << 17 | u32::from(saturated) << 13 | part.code() << 10

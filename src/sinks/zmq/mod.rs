@@ -2,8 +2,8 @@
 //!
 //! Two forms. **Samples**: a port for each channel, a message for each pulse that holds nothing but the
 //! channel's samples as complex64, little-endian, in sqrt(W): what the ZMQ SUB source of GNU Radio reads.
-//! **Multipart**: one port; the frames of a message are a topic, a JSON header and the samples of each channel
-//! as they are made (complex64, or ADC codes as pairs of int16).
+//! **Multipart**: one port; the frames of a message are a topic, a JSON header and the samples of each
+//! channel as they are made (complex64, or ADC codes as pairs of int16).
 //!
 //! | topic | second frame | further frames | when |
 //! | --- | --- | --- | --- |
@@ -61,6 +61,7 @@ const LAST_MESSAGES: Duration = Duration::from_secs(1);
 
 /// What messages hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Messages {
     /// The samples of a channel, a port for each.
     Samples,

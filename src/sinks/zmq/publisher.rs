@@ -12,7 +12,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use super::wire::{self, Said};
+use super::wire::{self, Command};
 
 /// Most subscribers of a socket.
 const MOST_PEERS: usize = 64;
@@ -147,7 +147,7 @@ impl Publisher {
     }
 
     /// Waits at most so long for what is on its way, then ends all connections.
-    pub(super) fn close(&mut self, patience: Duration) -> Counts {
+    pub(super) fn close(&mut self, timeout: Duration) -> Counts {
         let Some(acceptor) = self.acceptor.take() else { return *held(&self.shared.counts) };
         self.shared.closing.store(true, Ordering::Release);
         // Wakes the acceptor, wherever it listens.
@@ -163,7 +163,7 @@ impl Publisher {
         if woken {
             let _ = acceptor.join();
         }
-        let until = Instant::now() + patience;
+        let until = Instant::now() + timeout;
         let peers = std::mem::take(&mut *held(&self.shared.peers));
         for peer in &peers {
             let mut state = held(&peer.state);
@@ -259,7 +259,7 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>, limit: usize) {
             !gone
         });
         if peers.len() >= MOST_PEERS {
-            // Whoever has not even said what it is gives way; subscribers stay.
+            // A connection that has not yet introduced itself gives way; subscribers stay.
             let Some(place) = peers.iter().position(|peer| !held(&peer.state).greeted) else { continue };
             peers.remove(place).end();
         }
@@ -293,7 +293,7 @@ fn serve(peer: &Arc<Peer>, shared: &Shared) -> io::Result<()> {
     }
     stream.write_all(&wire::ready())?;
     match wire::read(&mut until)? {
-        Said::Ready(kind) if kind == b"SUB" || kind == b"XSUB" => {}
+        Command::Ready(kind) if kind == b"SUB" || kind == b"XSUB" => {}
         _ => return Ok(()),
     }
     held(&peer.state).greeted = true;
@@ -315,16 +315,16 @@ fn serve(peer: &Arc<Peer>, shared: &Shared) -> io::Result<()> {
 
 fn listen(peer: &Peer, stream: &mut &TcpStream) -> io::Result<()> {
     loop {
-        let said = wire::read(stream)?;
+        let command = wire::read(stream)?;
         let mut state = held(&peer.state);
-        match said {
-            Said::Subscribe(topic) if state.topics.len() < MOST_TOPICS => state.topics.push(topic),
-            Said::Cancel(topic) => {
+        match command {
+            Command::Subscribe(topic) if state.topics.len() < MOST_TOPICS => state.topics.push(topic),
+            Command::Cancel(topic) => {
                 if let Some(at) = state.topics.iter().position(|other| *other == topic) {
                     state.topics.swap_remove(at);
                 }
             }
-            Said::Ping(context) if state.answers.len() < MOST_TOPICS => {
+            Command::Ping(context) if state.answers.len() < MOST_TOPICS => {
                 let pong = wire::command("PONG", &context);
                 state.answers.extend_from_slice(&pong);
                 peer.change.notify_all();

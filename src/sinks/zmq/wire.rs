@@ -1,8 +1,8 @@
 //! ZMTP 3.0, the protocol of ZeroMQ on a connection, as far as a publisher without encryption needs it.
 //!
-//! Source: [23/ZMTP](https://rfc.zeromq.org/spec/23/). A greeting of 64 bytes, a READY command, then frames: a
-//! byte of flags, a length of one or eight bytes, the body. Subscribers send messages of one frame, a 1 or 0
-//! and the prefix that they subscribe to or no longer do; later versions send the same as commands.
+//! Source: [23/ZMTP](https://rfc.zeromq.org/spec/23/). A greeting of 64 bytes, a READY command, then frames:
+//! a byte of flags, a length of one or eight bytes, the body. Subscribers send messages of one frame, a 1 or
+//! 0 and the prefix that they subscribe to or no longer do; later versions send the same as commands.
 
 use std::io::{self, ErrorKind, Read};
 
@@ -73,9 +73,9 @@ pub(super) fn ready() -> Vec<u8> {
     command("READY", &data)
 }
 
-/// What a subscriber says.
+/// A command of a subscriber.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Said {
+pub(super) enum Command {
     /// Its type of socket, in its READY command.
     Ready(Vec<u8>),
     /// It wants messages that begin so.
@@ -95,7 +95,7 @@ const LONGEST: u64 = 4096;
 ///
 /// # Errors
 /// What the system reports, and frames that no subscriber sends.
-pub(super) fn read(from: &mut impl Read) -> io::Result<Said> {
+pub(super) fn read(from: &mut impl Read) -> io::Result<Command> {
     let mut flags = [0];
     from.read_exact(&mut flags)?;
     let [flags] = flags;
@@ -115,21 +115,21 @@ pub(super) fn read(from: &mut impl Read) -> io::Result<Said> {
     from.read_exact(&mut body)?;
     if flags & COMMAND == 0 {
         return Ok(match body.split_first() {
-            Some((1, topic)) => Said::Subscribe(topic.to_vec()),
-            Some((0, topic)) => Said::Cancel(topic.to_vec()),
-            _ => Said::Nothing,
+            Some((1, topic)) => Command::Subscribe(topic.to_vec()),
+            Some((0, topic)) => Command::Cancel(topic.to_vec()),
+            _ => Command::Nothing,
         });
     }
     let (length, rest) = body.split_first().ok_or(ErrorKind::InvalidData)?;
     let (name, data) = rest.split_at_checked(usize::from(*length)).ok_or(ErrorKind::InvalidData)?;
     Ok(match name {
-        b"READY" => Said::Ready(property(data, b"socket-type").ok_or(ErrorKind::InvalidData)?),
-        b"SUBSCRIBE" => Said::Subscribe(data.to_vec()),
-        b"CANCEL" => Said::Cancel(data.to_vec()),
+        b"READY" => Command::Ready(property(data, b"socket-type").ok_or(ErrorKind::InvalidData)?),
+        b"SUBSCRIBE" => Command::Subscribe(data.to_vec()),
+        b"CANCEL" => Command::Cancel(data.to_vec()),
         // Two bytes of a time to live, then what is to come back.
-        b"PING" => Said::Ping(data.get(2..).unwrap_or_default().to_vec()),
+        b"PING" => Command::Ping(data.get(2..).unwrap_or_default().to_vec()),
         b"ERROR" => return Err(ErrorKind::ConnectionAborted.into()),
-        _ => Said::Nothing,
+        _ => Command::Nothing,
     })
 }
 
@@ -177,14 +177,14 @@ mod tests {
     }
 
     #[test]
-    fn a_subscriber_is_understood_whichever_way_it_says_it() {
-        let said = |bytes: &[u8]| read(&mut &*bytes).unwrap();
-        assert_eq!(said(&[0, 3, 1, b'a', b'b']), Said::Subscribe(b"ab".to_vec()));
-        assert_eq!(said(&[0, 1, 1]), Said::Subscribe(vec![]));
-        assert_eq!(said(&[0, 2, 0, b'a']), Said::Cancel(b"a".to_vec()));
-        assert_eq!(said(&command("SUBSCRIBE", b"ab")), Said::Subscribe(b"ab".to_vec()));
-        assert_eq!(said(&command("PING", &[0, 10, 1, 2])), Said::Ping(vec![1, 2]));
-        assert_eq!(said(&ready()), Said::Ready(b"PUB".to_vec()));
+    fn a_subscriber_is_understood_in_either_form() {
+        let command_of = |bytes: &[u8]| read(&mut &*bytes).unwrap();
+        assert_eq!(command_of(&[0, 3, 1, b'a', b'b']), Command::Subscribe(b"ab".to_vec()));
+        assert_eq!(command_of(&[0, 1, 1]), Command::Subscribe(vec![]));
+        assert_eq!(command_of(&[0, 2, 0, b'a']), Command::Cancel(b"a".to_vec()));
+        assert_eq!(command_of(&command("SUBSCRIBE", b"ab")), Command::Subscribe(b"ab".to_vec()));
+        assert_eq!(command_of(&command("PING", &[0, 10, 1, 2])), Command::Ping(vec![1, 2]));
+        assert_eq!(command_of(&ready()), Command::Ready(b"PUB".to_vec()));
     }
 
     #[test]

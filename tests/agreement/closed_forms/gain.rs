@@ -1,13 +1,13 @@
 //! What interpolation leaves of a gain while the beam sweeps over the water.
 //!
-//! The field gain of an aperture of length `a` is the Fourier transform of its path generator. Where
+//! The field gain of an aperture of length `a` is the Fourier transform of its illumination. Where
 //! directions in its frame change at `u'` (rad/s), a facet sees a band-limited function of time,
 //! `|w| <= pi a u'/lambda` each way. Over all facets the mean square error relative to the mean square gain
 //! is, with Parseval,
 //!
 //! `e^2(t) = integral of |A(w)|^2 E^2(w, t) dw / integral of |A(w)|^2 dw`
 //!
-//! with `A` the path generator (even: constant), and for both ways its convolution with that of the other
+//! with `A` the illumination (even: constant), and for both ways its convolution with that of the other
 //! antenna (`E` of [`super::interpolation`]). So `e` depends on `a u' / lambda` and the nodes alone: 4 nodes
 //! so many pulses apart keep the same error wherever `lambda R PRF / (a V)` is the same.
 //!
@@ -16,8 +16,8 @@
 //! | `a` | length of the aperture along the sweep | m |
 //! | `u'` | rate of the directions in the antenna's frame, `V/R` for a beam fixed to the flight | rad/s |
 //!
-//! Limits: facets spread evenly over main lobe and side lobes; a window that hears the lobe's edge alone does
-//! worse. A pattern that is not a uniform aperture is held for one of its largest dimension.
+//! Limits: facets spread evenly over main lobe and side lobes; a window that receives the lobe's edge alone
+//! does worse. A pattern that is not a uniform aperture is held for one of its largest dimension.
 
 use std::f64::consts::PI;
 

@@ -7,7 +7,7 @@
 //! `|w|^n |prod (t - t_i)| / n!`
 //!
 //! and of a process with power `S(w) dw`, whatever the phases, the mean square `integral of S E^2 dw`. So one
-//! function tells the error for waves, for gains that sweep by, and for whatever else is a sum of
+//! function gives the error for waves, for gains that sweep by, and for whatever else is a sum of
 //! oscillations.
 //!
 //! | symbol | meaning | unit |
@@ -79,7 +79,7 @@ impl Nodes {
     }
 
     /// Pulses of an even sequence between the first and the last node, both among them, s: all, or
-    /// [`MOST_PLACES`] spread over them (between those a polynomial through a few nodes tells nothing new).
+    /// [`MOST_PLACES`] spread over them (between those a polynomial through a few nodes adds nothing).
     pub fn places_s(&self, interval_s: f64) -> impl Iterator<Item = f64> + use<> {
         let last = (self.span_s() / interval_s + 1e-6).floor().max(0.0);
         let steps = last.min(MOST_PLACES as f64);

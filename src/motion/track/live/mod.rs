@@ -1,7 +1,7 @@
 //! A trajectory that grows: fixes come while the run goes on.
 //!
-//! What has been reported once never changes: the path is a chain of nodes to which more are added and of which
-//! none is altered, joined by quintic segments as in a recorded track ([`crate::motion::track`]).
+//! What has been reported once never changes: the path is a chain of nodes to which more are added and of
+//! which none is altered, joined by quintic segments as in a recorded track ([`crate::motion::track`]).
 //!
 //! * **Interpolated.** A node is the fix itself, its derivatives those of the polynomial through its seven
 //!   nearest fixes ([`crate::motion::hermite`]); it is reported once the three fixes after it have come (six
@@ -70,7 +70,7 @@ pub const KEPT_S: f64 = 300.0;
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Unusable {
-    /// Latitude and longitude in a scene that lies nowhere on Earth, or numbers that are not finite.
+    /// Latitude and longitude in a scene that is not georeferenced, or numbers that are not finite.
     #[error("its position is not in the scene")]
     NoPosition,
     /// Not later than the one before.

@@ -314,7 +314,8 @@ impl Grown {
         Some(Jets { p: [p + (v + a * (0.5 * dt)) * dt, v + a * dt, a], q: [q[0], DVec4::ZERO, DVec4::ZERO] })
     }
 
-    /// What the last fix says of an instant: on from there at constant velocity, the attitude held.
+    /// Where the last fix puts the platform at an instant: on from there at constant velocity, the attitude
+    /// held.
     pub(super) fn known(&self, of: &Shared, t: TimeTag) -> Option<Jets> {
         let last = self.run.back()?;
         let dt = t.since(last.fix.time);

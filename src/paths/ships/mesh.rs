@@ -10,15 +10,17 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use num_complex::Complex64;
 
-use super::emission::{Emission, TrackFailure};
-use super::facets::Reception;
-use super::ships::{Batch, Instant, Pose, Ships, WIDTH};
-use super::{PairPlan, PathGenerator};
+use super::Ships;
+use super::lanes::{Batch, Instant, WIDTH};
+use super::pose::Pose;
 use crate::cpu::Variant;
 use crate::frames::{Earth, Vector};
 use crate::geometry::lanes::End;
 use crate::motion::pointing::PhaseCentre;
+use crate::paths::emission::{Emission, TrackFailure};
+use crate::paths::facets::Reception;
 use crate::paths::list::ScattererPaths;
+use crate::paths::{PairPlan, PathGenerator};
 use crate::radar::fault::{RadarError, TrackUse, mounts};
 use crate::radar::polarisation::{Axes, port_shares};
 
@@ -27,7 +29,7 @@ const MOST_OF_MEAN: usize = 512;
 
 /// What antennas see of ships about some pulses.
 #[derive(Clone, Default)]
-pub(super) struct Sight {
+pub(in crate::paths) struct Sight {
     first: i64,
     /// `[pulse]`: knot before it, from the first on, and how far it is from there to the next.
     pulses: Vec<(usize, f64)>,
@@ -78,7 +80,7 @@ impl Sight {
 
 /// Buffers for panels by lists; one per thread.
 #[derive(Clone)]
-pub(super) struct MeshWork {
+pub(in crate::paths) struct MeshWork {
     pub variant: Variant,
     batch: Box<Batch>,
     pub sight: Sight,
@@ -93,7 +95,7 @@ impl MeshWork {
 
 /// Which gains are in an amplitude.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum With {
+pub(in crate::paths) enum With {
     /// All.
     Gains,
     /// Those that are no real numbers.
@@ -105,7 +107,7 @@ impl PathGenerator {
     ///
     /// # Errors
     /// Tracks that do not cover them.
-    pub(super) fn see_ships(
+    pub(in crate::paths) fn see_ships(
         &self,
         pulses: impl Iterator<Item = u64>,
         sight: &mut Sight,
@@ -123,18 +125,22 @@ impl PathGenerator {
             about.push(((knot - *first) as usize, share));
             (after, last) = (after.max(knot + 2), index);
         }
-        let ends = self.ends();
+        let (place, ends) = ((&self.frame, self.hills.as_deref()), &self.ends);
         let centre = |antenna: usize, time_s: f64| self.antenna_at(antenna, time_s);
         for knot in *first..after {
             self.ships
-                .seen_at(&self.frame, knot, &ends, centre, words)
+                .seen_at(place, knot, ends, centre, words)
                 .map_err(|failure| self.track_error(last, failure))?;
         }
         Ok(())
     }
 
     /// Where an antenna is at a time after pulse 0.
-    pub(super) fn antenna_at(&self, antenna: usize, time_s: f64) -> Result<PhaseCentre, TrackFailure> {
+    pub(in crate::paths) fn antenna_at(
+        &self,
+        antenna: usize,
+        time_s: f64,
+    ) -> Result<PhaseCentre, TrackFailure> {
         let Some((_, mount)) = mounts(&self.radar).nth(antenna) else {
             return Ok(PhaseCentre::at_rest(crate::frames::Point::from_raw(DVec3::ZERO)));
         };
@@ -165,7 +171,7 @@ impl PathGenerator {
 
     /// Appends what panels return by themselves, whether they are hidden or received or not, those that return
     /// nothing too; `each` has every pair and batch, and how many elements were before it.
-    pub(super) fn append_panels(
+    pub(in crate::paths) fn append_panels(
         &self,
         reception: &Reception,
         elements: &[u32],
@@ -250,7 +256,7 @@ impl PathGenerator {
     }
 
     /// Appends every panel of an emission, without the gains that are real.
-    pub(super) fn append_every_panel(
+    pub(in crate::paths) fn append_every_panel(
         &self,
         reception: &Reception,
         work: &mut MeshWork,
@@ -263,7 +269,7 @@ impl PathGenerator {
 
     /// Appends so many of the panels, evenly chosen, that their mean Doppler is that of all: as seen at a pulse,
     /// with all gains, and so much stronger as they are fewer.
-    pub(super) fn append_some_panels(
+    pub(in crate::paths) fn append_some_panels(
         &self,
         index: u64,
         reception: &Reception,
@@ -286,7 +292,12 @@ impl PathGenerator {
     }
 
     /// Multiplies the shares of all panels that are not hidden, `[element][pair]`, by the gains that are real.
-    pub(super) fn apply_gains(&self, reception: &Reception, work: &mut MeshWork, shares: &mut [f64]) {
+    pub(in crate::paths) fn apply_gains(
+        &self,
+        reception: &Reception,
+        work: &mut MeshWork,
+        shares: &mut [f64],
+    ) {
         let Reception { emission, elapsed_s, .. } = *reception;
         let elements = self.elements_by(1, work);
         let (variant, pairs) = (work.variant, self.plans.len());

@@ -1,9 +1,11 @@
 //! Breaking waves as scatterer paths.
 //!
-//! A breaker ([`super::breaking`]) is a point that runs straight on, with the cross section of
+//! A breaker (`super::breaking`) is a point that runs straight on, with the cross section of
 //! [`crate::scattering::breaking`] and a phase of its own. It is seen as the facets under it are: with their weights, bilinear
-//! between the four nearest, so that nothing jumps as it runs from facet to facet. The reference and the fast
-//! echo find these paths in the same way, exactly and at every pulse: breakers are few beside facets.
+//! between the four nearest, so that nothing jumps as it runs from facet to facet. The reference finds these
+//! paths exactly and at every pulse; the fast echo takes what is smooth through a few pulses ([`stretch`]).
+
+pub mod stretch;
 
 use glam::{DQuat, DVec3};
 use num_complex::Complex64;
@@ -13,16 +15,16 @@ use super::breaking::{BreakingPlan, Riding};
 use super::facets::Reception;
 use super::sea::{SeaFailure, SeaPlan};
 use super::{PathGenerator, Workspace};
-use crate::frames::{Point, Vector};
-use crate::geometry::light_time::{LightTime, bistatic};
+use crate::frames::{Earth, Enu, Point, Vector};
+use crate::geometry::light_time::{LightTime, Path, bistatic};
 use crate::paths::list::ScattererPaths;
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
-use crate::scattering::breaking::breaker;
-use crate::scattering::tilt;
+use crate::scattering::breaking as scattering;
+use crate::scattering::tilt::{self, ScatterMatrix};
 use crate::scene::Patch;
+use crate::sea::breaking::Breaker;
 use crate::sea::wake::WakeError;
-use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Weight at a place from those of the four facets about it.
 fn between(patch: &Patch, [x, y]: [f64; 2], weight: impl Fn([i64; 2]) -> f64) -> f64 {
@@ -31,6 +33,39 @@ fn between(patch: &Patch, [x, y]: [f64; 2], weight: impl Fn([i64; 2]) -> f64) ->
     let (u, v, key) = (x - left, y - low, [left as i64, low as i64]);
     let at = |dx: i64, dy: i64| weight([key[0] + dx, key[1] + dy]);
     (1.0 - v) * ((1.0 - u) * at(0, 0) + u * at(1, 0)) + v * ((1.0 - u) * at(0, 1) + u * at(1, 1))
+}
+
+/// A breaker at an instant.
+struct Moves {
+    at_m: [f64; 2],
+    position: Point<Enu>,
+    velocity: Vector<Enu>,
+    travel: DVec3,
+}
+
+impl Moves {
+    fn of(riding: &Riding, earth: Earth, elapsed_s: f64) -> Self {
+        let Riding { breaker, height_m } = riding;
+        let (at_m, (sin, cos)) = (breaker.at_m(elapsed_s), breaker.travel_rad.sin_cos());
+        let position = Point::new(at_m[0], at_m[1], height_m - earth.drop_m(at_m[0], at_m[1]));
+        let travel = DVec3::new(cos, sin, 0.0);
+        // The sea falls away from the plane of the frame.
+        let [east, north] = earth.drop_slope(at_m[0], at_m[1]);
+        let velocity = breaker.speed_mps * (travel - DVec3::Z * (east * cos + north * sin));
+        Self { at_m, position, velocity: Vector::from_raw(velocity), travel }
+    }
+
+    /// Scattering matrix over a path, sqrt(m^2), rms of its life; angles are those to the sea where it is.
+    fn matrix(&self, earth: Earth, permittivity: Complex64, breaker: &Breaker, path: &Path) -> ScatterMatrix {
+        let level = DQuat::from_rotation_arc(earth.up(self.position).raw(), DVec3::Z);
+        let directions = tilt::Path::new(level * path.incident, level * path.scattered);
+        let returned = scattering::breaker(permittivity, &directions, self.travel);
+        let [like, cross] = breaker.phases_rad.map(Complex64::cis);
+        let size = breaker.area_m2.sqrt();
+        // In these bases h turns round with the wave, v does not.
+        let turned = returned.cross.sqrt() * cross * size;
+        [[returned.vv.sqrt() * size * like, -turned], [turned, -returned.hh.sqrt() * size * like]]
+    }
 }
 
 impl PathGenerator {
@@ -54,49 +89,31 @@ impl PathGenerator {
         let (emission, elapsed_s) = (reception.emission, reception.elapsed_s);
         let permittivity = sea.scattering.permittivity();
         let (earth, transmitters) = (self.frame.earth(), self.radar.transmitters.len());
-        let found = breaking.each(patch, elapsed_s, |Riding { breaker: own, height_m }| {
-            let (at_m, (sin, cos)) = (own.at_m(elapsed_s), own.travel_rad.sin_cos());
-            let position = Point::new(at_m[0], at_m[1], height_m - earth.drop_m(at_m[0], at_m[1]));
-            let velocity = Vector::new(own.speed_mps * cos, own.speed_mps * sin, 0.0);
-            // Angles are those to the sea where the breaker is.
-            let level = DQuat::from_rotation_arc(earth.up(position).raw(), DVec3::Z);
-            let size = own.area_m2.sqrt() * own.envelope(elapsed_s);
+        let found = breaking.each(patch, [elapsed_s; 2], |riding| {
+            let envelope = riding.breaker.envelope(elapsed_s);
+            if envelope == 0.0 {
+                return;
+            }
+            let moves = Moves::of(riding, earth, elapsed_s);
             amplitude.fill(Complex64::ZERO);
             for (pair, plan) in self.plans.iter().enumerate() {
                 let ends = [plan.pair.transmitter, transmitters + plan.pair.receiver];
                 let [tx, rx] = ends.map(|end| &emission.centres[end]);
-                let path = bistatic(LightTime::Exact, tx, position, velocity, rx);
+                let path = bistatic(LightTime::Exact, tx, moves.position, moves.velocity, rx);
                 paths.delay_s[pair].push(path.delay_s);
                 paths.delay_rate[pair].push(path.delay_rate);
                 let within = reception.window.touches(reception.offset_s + path.delay_s);
                 if !(within && plan.receives(reception.tx_pol)) {
                     continue;
                 }
-                let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
-                let seen = ends.map(|end| between(patch, at_m, |key| weight(end, key)));
-                let scale =
-                    plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s)) * seen[0] * seen[1];
+                let seen = ends.map(|end| between(patch, moves.at_m, |key| weight(end, key)));
+                let scale = plan.link.scattered_over(&path) * seen[0] * seen[1] * envelope;
                 if scale == 0.0 {
                     continue;
                 }
-                let directions = tilt::Path::new(level * path.incident, level * path.scattered);
-                let returned = breaker(permittivity, &directions, DVec3::new(cos, sin, 0.0));
-                let [like, cross] = own.phases_rad.map(Complex64::cis);
-                // In these bases h turns round with the wave, v does not.
-                let turned = returned.cross.sqrt() * cross * size;
-                let matrix = [
-                    [returned.vv.sqrt() * size * like, -turned],
-                    [turned, -returned.hh.sqrt() * size * like],
-                ];
-                self.amplitudes(
-                    plan,
-                    (&path, None),
-                    Some(&matrix),
-                    scale,
-                    reception.tx_pol,
-                    emission,
-                    amplitude,
-                );
+                let matrix = moves.matrix(earth, permittivity, &riding.breaker, &path);
+                let path = (&path, None);
+                self.amplitudes(plan, path, Some(&matrix), scale, reception.tx_pol, emission, amplitude);
             }
             paths.finish(reception.offset_s, amplitude);
         });

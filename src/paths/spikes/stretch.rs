@@ -1,0 +1,280 @@
+//! Breaking waves over a stretch of pulses: exact paths at its nodes, and in between only what changes fast.
+//!
+//! A breaker runs straight on, so that delay and matrix are as smooth as the flight of the antennas: both are
+//! cubics through the nodes. Gains, the breaker's envelope and its visibility are found at every pulse and
+//! multiply the amplitude. A stretch is left to be made shorter, or exactly, where
+//!
+//! - a direction turns by more than `TURN_RAD`, or by a tenth of what it is off the vertical, where H and V
+//!   turn with it: matrices are cubics within 1e-4 then;
+//! - the rate at either end is not that of the cubic, by what leaves more than `PHASE_RAD` of phase: with
+//!   nodes a third of a stretch `T` apart a fourth derivative leaves at most `T/18` times the error of the rate.
+//!
+//! It goes by what antennas and breakers do in these pulses alone. Antennas of measured pattern have complex
+//! gains: their pulses are made exactly.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+
+use super::{Moves, between};
+use crate::frames::Earth;
+use crate::geometry::light_time::{LightTime, Path, bistatic};
+use crate::paths::block::{NODES, TileWork};
+use crate::paths::breaking::{BreakingPlan, Riding};
+use crate::paths::emission::Emission;
+use crate::paths::list::ScattererPaths;
+use crate::paths::sea::SeaPlan;
+use crate::paths::{PairPlan, PathGenerator, Workspace};
+use crate::radar::antenna::Antenna;
+use crate::radar::fault::RadarError;
+use crate::radar::window::Window;
+use crate::scene::Patch;
+use crate::sea::wake::WakeError;
+
+/// What a direction may turn in a stretch, rad.
+const TURN_RAD: f64 = 0.03;
+/// What a cubic may leave of the carrier's phase, rad.
+const PHASE_RAD: f64 = 1e-4;
+
+/// Room for what the pulses of a stretch have in common.
+#[derive(Clone, Default)]
+pub(in crate::paths) struct Buffers {
+    emissions: Vec<Emission>,
+    /// After pulse 0.
+    elapsed_s: Vec<f64>,
+}
+
+/// Pulses of a block that are made together.
+pub struct Stretch<'a> {
+    /// First pulse of the block.
+    pub block: u64,
+    /// Pulses within it.
+    pub pulses: Range<usize>,
+    /// Where exact paths are found, counted from the first pulse of the stretch.
+    pub nodes: &'a [usize],
+    /// The patch of the block.
+    pub patch: &'a Patch,
+}
+
+/// Derivatives of a polynomial through nodes, at the first and at the last: weights of the values there.
+struct Slopes([[f64; NODES]; 2]);
+
+impl Slopes {
+    fn through(nodes: &[usize]) -> Self {
+        let at = |n: usize| nodes[n] as f64;
+        let of = |own: usize| {
+            let mut weights = [0.0; NODES];
+            for j in (0..nodes.len()).filter(|j| *j != own) {
+                let others = (0..nodes.len()).filter(|m| *m != own && *m != j);
+                let product: f64 = others.map(|m| (at(own) - at(m)) / (at(j) - at(m))).product();
+                weights[j] = product / (at(j) - at(own));
+                // Differences count from the node's own value.
+                weights[own] -= weights[j];
+            }
+            weights
+        };
+        Self([of(0), of(nodes.len() - 1)])
+    }
+
+    /// How far the rates of a path at both ends are off, per pulse of an interval.
+    fn off_s(&self, paths: &[Path], interval_s: f64) -> f64 {
+        let ends = [&paths[0], &paths[paths.len() - 1]];
+        let off = self.0.iter().zip(ends).map(|(weights, end)| {
+            let of = |(weight, path): (&f64, &Path)| weight * (path.delay_s - end.delay_s);
+            (weights.iter().zip(paths).map(of).sum::<f64>() - end.delay_rate * interval_s).abs()
+        });
+        off.fold(0.0, f64::max)
+    }
+}
+
+/// Whether directions turn by more from one path to another than matrices stay smooth over.
+fn turns(from: &Path, to: &Path) -> bool {
+    [(from.incident, to.incident), (from.scattered, to.scattered)].into_iter().any(|(a, b)| {
+        let level = (a.x * a.x + a.y * a.y).min(b.x * b.x + b.y * b.y);
+        a.distance_squared(b) > (TURN_RAD * TURN_RAD).min(0.01 * level)
+    })
+}
+
+impl PathGenerator {
+    /// Fills `nodes` with the breaking waves of a stretch at its nodes, and `factors`, `[pulse][path][pair]`,
+    /// with what multiplies their amplitudes; returns whether they are smooth enough.
+    ///
+    /// # Errors
+    /// A pulse that the tracks do not cover; a sea that cannot be found at it.
+    pub fn breakers_of_stretch(
+        &self,
+        stretch: &Stretch,
+        tiles: &TileWork,
+        workspace: &mut Workspace,
+        nodes: &mut [ScattererPaths],
+        factors: &mut Vec<f64>,
+    ) -> Result<bool, RadarError> {
+        nodes.iter_mut().for_each(ScattererPaths::clear);
+        factors.clear();
+        let Some((sea, breaking)) = self.sea.as_ref().and_then(|sea| Some((sea, sea.breaking.as_ref()?)))
+        else {
+            return Ok(true);
+        };
+        if !self.antennas.iter().all(Antenna::is_real) {
+            return Ok(false);
+        }
+        let Workspace { stretch: Buffers { emissions, elapsed_s }, amplitude, .. } = workspace;
+        let first = stretch.block + stretch.pulses.start as u64;
+        let count = stretch.pulses.len();
+        emissions.resize_with(count.max(emissions.len()), Emission::default);
+        for (index, emission) in (first..).zip(&mut emissions[..count]) {
+            self.evaluate(index, emission)?;
+        }
+        elapsed_s.clear();
+        elapsed_s.extend((first..).take(count).map(|index| self.radar.emissions.interval_s(0, index)));
+        let mut windows = [Window::new(&self.radar, 0.0, self.pulse_length_s); NODES];
+        for (window, place) in windows.iter_mut().zip(stretch.nodes) {
+            let opens_s = self.window_start_of(first + *place as u64)?;
+            *window = Window::new(&self.radar, opens_s, self.pulse_length_s);
+        }
+        let made = Making {
+            of: self,
+            sea,
+            stretch,
+            tiles,
+            emissions: &emissions[..count],
+            windows: &windows[..stretch.nodes.len()],
+            first,
+            elapsed_s,
+            interval_s: self.radar.emissions.interval_s(0, 1),
+            slopes: Slopes::through(stretch.nodes),
+        };
+        made.all(breaking, nodes, amplitude, factors)
+            .map_err(|failure| self.sea_error(first, WakeError::from(failure).into()))
+    }
+}
+
+/// What the breakers of a stretch are made from.
+struct Making<'a> {
+    of: &'a PathGenerator,
+    sea: &'a SeaPlan,
+    stretch: &'a Stretch<'a>,
+    tiles: &'a TileWork,
+    /// Of every pulse.
+    emissions: &'a [Emission],
+    /// Of every node.
+    windows: &'a [Window],
+    first: u64,
+    /// Of every pulse, after pulse 0.
+    elapsed_s: &'a [f64],
+    interval_s: f64,
+    slopes: Slopes,
+}
+
+impl Making<'_> {
+    fn earth(&self) -> Earth {
+        self.of.frame.earth()
+    }
+
+    fn ends(&self, plan: &PairPlan) -> [usize; 2] {
+        [plan.pair.transmitter, self.of.radar.transmitters.len() + plan.pair.receiver]
+    }
+
+    /// All breakers; `false` once one of them is not smooth.
+    fn all(
+        &self,
+        breaking: &BreakingPlan,
+        nodes: &mut [ScattererPaths],
+        amplitude: &mut [Complex64],
+        factors: &mut Vec<f64>,
+    ) -> Result<bool, crate::sea::surface::SurfaceError> {
+        let (pulses, pairs) = (self.stretch.pulses.len(), self.of.plans.len());
+        let lasts_s = [self.elapsed_s[0], self.elapsed_s[pulses - 1]];
+        let mut alive = 0;
+        breaking.each(self.stretch.patch, lasts_s, |_| alive += 1)?;
+        factors.resize(pulses * alive * pairs, 0.0);
+        let (mut smooth, mut number) = (true, 0);
+        breaking.each(self.stretch.patch, lasts_s, |riding| {
+            smooth = smooth && self.at_nodes(riding, nodes, amplitude);
+            if smooth {
+                for pulse in 0..pulses {
+                    let from = (pulse * alive + number) * pairs;
+                    self.at_pulse(riding, pulse, nodes, &mut factors[from..from + pairs]);
+                }
+            }
+            number += 1;
+        })?;
+        Ok(smooth)
+    }
+
+    /// Appends the paths of a breaker at the nodes; returns whether they are smooth.
+    fn at_nodes(&self, riding: &Riding, nodes: &mut [ScattererPaths], amplitude: &mut [Complex64]) -> bool {
+        let Self { of, sea, stretch, emissions, windows, .. } = *self;
+        let (permittivity, places) = (sea.scattering.permittivity(), stretch.nodes);
+        let mut smooth = true;
+        for (pair, plan) in of.plans.iter().enumerate() {
+            let [tx, rx] = self.ends(plan);
+            let mut paths = [Path::default(); NODES];
+            let mut within = false;
+            for ((path, &place), window) in paths.iter_mut().zip(places).zip(windows) {
+                let moves = Moves::of(riding, self.earth(), self.elapsed_s[place]);
+                let centres = &emissions[place].centres;
+                let (tx, rx) = (&centres[tx], &centres[rx]);
+                *path = bistatic(LightTime::Exact, tx, moves.position, moves.velocity, rx);
+                within |= window.touches(path.delay_s);
+            }
+            let paths = &paths[..places.len()];
+            let lasts = (places[places.len() - 1] - places[0]) as f64;
+            let off_rad = std::f64::consts::TAU * of.radar.carrier_hz * lasts / 18.0
+                * self.slopes.off_s(paths, self.interval_s);
+            smooth &= !within || (off_rad <= PHASE_RAD && !turns(&paths[0], &paths[paths.len() - 1]));
+            for ((node, path), &place) in nodes.iter_mut().zip(paths).zip(places) {
+                node.delay_s[pair].push(path.delay_s);
+                node.delay_rate[pair].push(path.delay_rate);
+                amplitude.fill(Complex64::ZERO);
+                let tx_pol = of.radar.tx_polarisation.of_pulse(self.first + place as u64);
+                if within && plan.receives(tx_pol) {
+                    let moves = Moves::of(riding, self.earth(), self.elapsed_s[place]);
+                    let matrix = Some(moves.matrix(self.earth(), permittivity, &riding.breaker, path));
+                    let scale = Complex64::from(plan.link.scattered_over(path));
+                    let emission = &emissions[place];
+                    of.polarised(plan, (path, None), matrix.as_ref(), scale, tx_pol, emission, amplitude);
+                }
+                for (channel, ..) in &plan.channels {
+                    node.amplitude[*channel].push(amplitude[*channel]);
+                }
+            }
+        }
+        nodes.iter_mut().for_each(|node| node.emission_offset_s.push(0.0));
+        smooth
+    }
+
+    /// Gains, envelope and visibility of the breaker that was appended last, by pair.
+    fn at_pulse(&self, riding: &Riding, pulse: usize, nodes: &[ScattererPaths], factors: &mut [f64]) {
+        let Self { of, stretch, tiles, emissions, .. } = *self;
+        let elapsed_s = self.elapsed_s[pulse];
+        let envelope = riding.breaker.envelope(elapsed_s);
+        if envelope == 0.0 {
+            return;
+        }
+        let moves = Moves::of(riding, self.earth(), elapsed_s);
+        let patch = stretch.patch;
+        for ((pair, plan), factor) in of.plans.iter().enumerate().zip(factors) {
+            // Light time moves antennas by metres, and its change within the stretch by next to nothing.
+            let delay_s = nodes[0].delay_s[pair].last().copied().unwrap_or_default();
+            let ends = self.ends(plan);
+            let [tx, rx] = ends.map(|end| &emissions[pulse].centres[end]);
+            let meets = moves.position.raw() + moves.velocity.raw() * (0.5 * delay_s);
+            let sent = (meets - tx.position.raw()).normalize_or_zero();
+            let arrives = rx.position.raw() + rx.velocity.raw() * delay_s;
+            let received = (arrives - meets).normalize_or_zero();
+            let gains = of.gains_towards(plan, [sent, received], delay_s, &emissions[pulse]).re;
+            if gains == 0.0 {
+                continue;
+            }
+            let seen = |end: usize| {
+                let pulse = stretch.pulses.start + pulse;
+                between(patch, moves.at_m, |key| tiles.weight_at(pulse, end, patch.nearest_index(key)))
+            };
+            let of_tx = seen(ends[0]);
+            // Antennas at one place see the same.
+            let of_rx = if tx.position == rx.position { of_tx } else { seen(ends[1]) };
+            *factor = envelope * gains * of_tx * of_rx;
+        }
+    }
+}
