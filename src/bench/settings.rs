@@ -53,6 +53,9 @@ pub fn settings(chosen: Option<&EchoSettings>) -> Map<String, Value> {
     set("echo", json!("fast"));
     set("node_pulses", json!(chosen.node_pulses));
     set("gain_pulses", json!(chosen.gain_pulses));
+    if let Some(panel_pulses) = chosen.panel_pulses {
+        set("panel_pulses", json!(panel_pulses));
+    }
     set("scatter_pulses", json!(chosen.scatter_pulses()));
     set("sidelobe_db", chosen.sidelobe.map_or(json!("none"), |sidelobe| json!(sidelobe.below_db)));
     set("kernel_width", json!(chosen.echo.width));

@@ -30,6 +30,8 @@ pub struct Asked {
     pub scatter_pulses: Option<u64>,
     /// Pulses from gain to gain.
     pub gain_pulses: Option<u64>,
+    /// Pulses from node to node of the panels of ships.
+    pub panel_pulses: Option<u64>,
     /// Two-way gain of every antenna pair over its peak below which tiles are evaluated less often, dB.
     pub sidelobe_db: Option<f64>,
     /// Cells that each scatterer path is spread over.
@@ -48,6 +50,7 @@ impl Asked {
             node_pulses: None,
             scatter_pulses: None,
             gain_pulses: None,
+            panel_pulses: None,
             sidelobe_db: None,
             kernel_width: None,
             doppler: None,

@@ -12,6 +12,9 @@ pub const EXACT_DB: f64 = -90.0;
 /// What is left out because it is weak stays so far below the budget, dB.
 pub const CULLED_DB: f64 = 10.0;
 
+/// What interpolation leaves of the panels of ships stays so far below the budget, dB.
+pub const PANELS_DB: f64 = 10.0;
+
 /// What was planned for a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {

@@ -4,9 +4,10 @@
 //! each is [probed](super::probe) until closer nodes cost more than what was found already. A budget at or
 //! below [`EXACT_DB`](super::budget::EXACT_DB) takes pulses one by one with exact scatterer paths in f64, and
 //! so does a scene that no candidate serves. Facets may be left out while all of them together stay
-//! [`CULLED_DB`](super::budget::CULLED_DB) below the budget.
+//! [`CULLED_DB`](super::budget::CULLED_DB) below the budget. Nodes of panels of ships lie as far apart as leaves
+//! [`PANELS_DB`] below it: the price of a panel falls with that distance, what is left rises with its eighth power.
 
-use super::budget::{Budget, Plan};
+use super::budget::{Budget, PANELS_DB, Plan};
 use std::sync::Arc;
 
 use super::cost::Size;
@@ -25,6 +26,8 @@ use crate::scene::Scene;
 const NODE_PULSES: [u64; 9] = [21, 16, 12, 9, 7, 5, 4, 3, 2];
 /// Pulses from gain epoch to gain epoch.
 const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
+/// Pulses from node to node of the panels of ships.
+const PANEL_PULSES: [u64; 12] = [21, 16, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1];
 
 /// The spacing that nodes then have, pulses.
 fn spacing_within(spacing: u64, hold_pulses: Option<u64>) -> u64 {
@@ -47,7 +50,10 @@ pub fn choose_settings(
     // No interpolation knows of a jump, and probes may miss it.
     let free: &[u64] = if generator.aim_jumps() { &[1] } else { &GAIN_PULSES };
     let gain_steps: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
-    sampler.follow_points(&gain_steps)?;
+    let free: &[u64] = if generator.aim_jumps() { &[1] } else { &PANEL_PULSES };
+    let panel_steps: Vec<u64> = asked.panel_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
+    sampler.follow_points(&gain_steps, &panel_steps)?;
+    let panel_pulses = sampler.choose_panel_pulses(10f64.powf((asked.error_db - PANELS_DB) / 10.0));
 
     let hold_pulses = generator.hold_pulses();
     let spacings = spacings(asked, hold_pulses);
@@ -61,6 +67,7 @@ pub fn choose_settings(
             node_pulses: 1,
             epochs_per_node: 1,
             gain_pulses,
+            panel_pulses,
             sidelobe: None,
             sidelobe_share: 0.0,
             least_power: budget.least_power,
@@ -78,7 +85,8 @@ pub fn choose_settings(
         return Ok(plan);
     }
 
-    let search = Search::new(scene, generator, &mut sampler, (budget, &synth, size), gain_steps);
+    let search =
+        Search::new(scene, generator, &mut sampler, (budget, &synth, size), (gain_steps, panel_pulses));
     let best = search.best(&mut sampler, &spacings)?.unwrap_or_else(|| one_by_one(1));
     if !best.keeps() && asked.node_pulses.is_none() {
         let plan = one_by_one(asked.gain_pulses.unwrap_or(1));

@@ -14,7 +14,7 @@
 //! | transform | channels x M log2 M | transform |
 //! | exact | facets x pairs, where every pulse is by itself | scatterer paths |
 //! | rest | channels x M log2 M | record, receive |
-//! | points | targets and direct paths x pairs | fill, spread |
+//! | points | targets, direct paths, and panels of ships as far as they cost as much, x pairs | fill, spread |
 //! | lines | facets x pairs, and as many as `LINES` in a block, where Bragg waves travel | scatterer paths |
 //!
 //! Sidelobe tiles have 2 nodes, 2 or 3 scattering epochs and fewer gain epochs; the gains of all tiles are
@@ -37,6 +37,10 @@ use crate::fidelity::echo_settings::EchoSettings;
 /// pulse, once; for rain, boxes are split on the way to it.
 const BREAKER: f64 = 0.2;
 const DROP: f64 = 8.0;
+/// What a panel of a ship takes over a point at every pulse, at a node, and by itself.
+const PANEL: f64 = 0.006;
+const PANEL_AT_NODE: f64 = 0.03;
+const PANEL_EXACT: f64 = 0.2;
 /// Pulses for which turning a facet costs as much as finding its lines and components.
 const LINES: f64 = 60.0;
 /// The same of finding phasors one by one.
@@ -104,6 +108,8 @@ impl CostTable {
 pub struct Size {
     facets: f64,
     points: f64,
+    /// Panels and double bounces of ships.
+    panels: f64,
     pairs: f64,
     /// Pairs for which facets have lines of travelling waves.
     travelling: f64,
@@ -146,7 +152,8 @@ impl Size {
         Self {
             facets: generator.facets() as f64,
             // Those with an aspect are evaluated for it once more.
-            points: generator.point_count() as f64 * if generator.follows_aspects() { 2.0 } else { 1.0 }
+            panels: generator.ship_paths() as f64,
+            points: generator.target_count() as f64 * if generator.follows_aspects() { 2.0 } else { 1.0 }
                 + BREAKER * generator.breakers_alive()
                 + DROP * generator.drops(),
             pairs,
@@ -170,6 +177,7 @@ impl Size {
         let Self {
             facets,
             points,
+            panels,
             pairs,
             travelling,
             surface,
@@ -196,6 +204,7 @@ impl Size {
             let mut work = [0.0; PIECES];
             let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
             (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, facets * pairs);
+            let points = points + PANEL_EXACT * panels;
             (work[11], work[12], work[13]) = (rest, points * pairs, LINES_EXACT * facets * travelling);
             return Work(work);
         }
@@ -213,6 +222,8 @@ impl Size {
         let either = |close: f64, few: f64| (1.0 - sidelobe) * close + sidelobe * few;
         let few_epochs = chosen.sidelobe.map_or(0.0, |sidelobe| sidelobe.epochs as f64);
         let [nodes, few] = [NODES, SIDELOBE_NODES].map(|n| n as f64);
+        let parts = (pulses / (3 * chosen.panel_pulses.unwrap_or(1) + 1) as f64).ceil();
+        let of_panel = PANEL + PANEL_AT_NODE * (nodes * parts / pulses).min(1.0);
         Work([
             per_block(nodes * surface),
             per_block(updates * antennas),
@@ -226,7 +237,7 @@ impl Size {
             transform,
             0.0,
             rest,
-            points * pairs,
+            (points + panels * of_panel) * pairs,
             again * facets * travelling * (1.0 + LINES / pulses),
         ])
     }

@@ -12,6 +12,8 @@ pub struct EchoSettings {
     pub epochs_per_node: usize,
     /// Pulses from gain to gain.
     pub gain_pulses: u64,
+    /// Pulses from node to node of the panels of ships; `None` where none echo by their mesh.
+    pub panel_pulses: Option<u64>,
     /// Tiles that are evaluated less often, if any are.
     pub sidelobe: Option<Sidelobe>,
     /// Share of the facets in sidelobe tiles, mean over the run.

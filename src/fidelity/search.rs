@@ -85,6 +85,7 @@ pub(super) struct Search<'a> {
     synth: &'a SynthChoice,
     size: Size,
     gain_steps: Vec<u64>,
+    panel_pulses: Option<u64>,
     candidates: Candidates,
     thresholds: Vec<Candidate>,
     power: Powers,
@@ -101,7 +102,7 @@ impl<'a> Search<'a> {
         generator: &PathGenerator,
         sampler: &mut ErrorSampler<'_>,
         (budget, synth, size): (Budget, &'a SynthChoice, Size),
-        gain_steps: Vec<u64>,
+        (gain_steps, panel_pulses): (Vec<u64>, Option<u64>),
     ) -> Self {
         let has_sea = generator.facets() > 0;
         let culled = sampler.culled(budget.least_power).clone();
@@ -124,6 +125,7 @@ impl<'a> Search<'a> {
             synth,
             size,
             gain_steps,
+            panel_pulses,
             thresholds,
             candidates,
             power: sampler.power().clone(),
@@ -260,6 +262,7 @@ impl<'a> Search<'a> {
             node_pulses,
             epochs_per_node,
             gain_pulses,
+            panel_pulses: self.panel_pulses,
             sidelobe: candidate.sidelobe,
             sidelobe_share: candidate.sidelobe_share,
             least_power: self.budget.least_power,

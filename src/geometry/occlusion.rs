@@ -91,7 +91,7 @@ impl Triangles {
     /// leaves.
     pub fn first(&self, from: DVec3, along: DVec3, own: Option<u32>) -> Option<(u32, f64)> {
         let mut found: Option<(u32, f64)> = None;
-        self.follow(from, along, own, |n, far| {
+        self.follow((from, along), f64::INFINITY, own, |n, far| {
             if found.is_none_or(|(_, least)| far < least) {
                 found = Some((n, far));
             }
@@ -102,15 +102,28 @@ impl Triangles {
 
     /// Whether a ray meets anything.
     pub fn meets(&self, from: DVec3, along: DVec3, own: Option<u32>) -> bool {
+        self.meets_within(from, along, f64::INFINITY, own)
+    }
+
+    /// Whether a ray meets anything before it has gone so far.
+    pub fn meets_within(&self, from: DVec3, along: DVec3, far_m: f64, own: Option<u32>) -> bool {
         let mut met = false;
-        self.follow(from, along, own, |_, _| {
-            met = true;
-            true
+        self.follow((from, along), far_m, own, |_, far| {
+            met = far < far_m;
+            met
         });
         met
     }
 
-    fn follow(&self, from: DVec3, along: DVec3, own: Option<u32>, mut each: impl FnMut(u32, f64) -> bool) {
+    /// Hands over what a ray meets and how far along, and perhaps what lies farther than asked, until `each` says
+    /// that it wants no more.
+    fn follow(
+        &self,
+        (from, along): (DVec3, DVec3),
+        within_m: f64,
+        own: Option<u32>,
+        mut each: impl FnMut(u32, f64) -> bool,
+    ) {
         let (ray, inverse) = (Ray::new(from, along), along.recip());
         let mut open = [0u32; 64];
         let mut count = usize::from(!self.nodes.is_empty());
@@ -120,7 +133,7 @@ impl Triangles {
             let node = &self.nodes[place as usize];
             let (a, b) = ((node.low - from) * inverse, (node.high - from) * inverse);
             let (enters, leaves) = (a.min(b).max_element(), a.max(b).min_element());
-            if leaves < enters.max(0.0) {
+            if leaves < enters.max(0.0) || enters > within_m {
                 continue;
             }
             if node.count == 0 {
@@ -166,16 +179,21 @@ impl Ray {
         Self { from, axes, shear: [along[axes[0]] / main, along[axes[1]] / main, main.recip()] }
     }
 
-    /// How far along a triangle is.
-    fn crosses(&self, corners: &[DVec3; 3]) -> Option<f64> {
+    /// A corner, off the ray and along it: triangles that share it have the same.
+    #[inline(always)]
+    fn sheared(&self, corner: DVec3) -> [f64; 3] {
         let ([x, y, z], [shear_x, shear_y, shear_z]) = (self.axes, self.shear);
-        // Of a corner alone: triangles that share it have the same.
-        let [a, b, c] = corners.map(|corner| {
-            let off = corner - self.from;
-            [off[x] - shear_x * off[z], off[y] - shear_y * off[z], shear_z * off[z]]
-        });
+        let off = corner - self.from;
+        [off[x] - shear_x * off[z], off[y] - shear_y * off[z], shear_z * off[z]]
+    }
+
+    /// How far along a triangle is.
+    #[inline(always)]
+    fn crosses(&self, corners: &[DVec3; 3]) -> Option<f64> {
+        let (a, b, c) = (self.sheared(corners[0]), self.sheared(corners[1]), self.sheared(corners[2]));
         // Of an edge that is run the other way about the sign is the other, to the last bit.
-        let [u, v, w] = [[c, b], [a, c], [b, a]].map(|[p, q]| p[0] * q[1] - p[1] * q[0]);
+        let (u, v) = (c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0]);
+        let w = b[0] * a[1] - b[1] * a[0];
         let whole = u + v + w;
         let within = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
         // Where it is nothing the ray runs along the plane.
@@ -211,6 +229,11 @@ mod tests {
             let nearest = all.filter(|(_, far)| *far > OFF_M).min_by(|a, b| a.1.total_cmp(&b.1));
             assert_eq!(triangles.first(from, along, None), nearest);
             assert_eq!(triangles.meets(from, along, None), nearest.is_some());
+            for share in [0.3, 0.999, 1.001, 4.0] {
+                let far_m = share * nearest.map_or(5.0, |(_, far)| far);
+                let met = nearest.is_some_and(|(_, far)| far < far_m);
+                assert_eq!(triangles.meets_within(from, along, far_m, None), met);
+            }
             hits += usize::from(nearest.is_some());
         }
         assert!((50..450).contains(&hits), "{hits}");

@@ -170,22 +170,65 @@ impl PathGenerator {
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
+        self.steady_targets(index, workspace, paths)?;
+        if !self.ships.is_empty() {
+            let Workspace { own, ships, .. } = workspace;
+            let reception = self.reception(index, index, own, Window::UNBOUNDED);
+            self.append_every_panel(&reception, ships.mesh(), paths);
+        }
+        Ok(())
+    }
+
+    /// The same without panels of ships.
+    ///
+    /// # Errors
+    /// Those of [`Self::points`].
+    pub fn steady_targets(
+        &self,
+        index: u64,
+        workspace: &mut Workspace,
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, amplitude, ships, .. } = workspace;
+        let Workspace { own, amplitude, .. } = workspace;
         paths.clear();
         self.evaluate(index, own)?;
         own.variation.clear();
         let reception = self.reception(index, index, own, Window::UNBOUNDED);
         self.append_every(&reception, amplitude, paths);
-        self.append_every_panel(&reception, (ships, amplitude), paths);
         Ok(())
     }
 
-    /// Whether the amplitude of any target varies otherwise than with its path.
+    /// The points of which the mean Doppler of a block is taken: targets as in [`Self::points`], and some of the
+    /// panels of ships for all of them, as they are at the pulse.
+    ///
+    /// # Errors
+    /// Those of [`Self::points`].
+    pub fn points_of_mean(
+        &self,
+        index: u64,
+        workspace: &mut Workspace,
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
+        self.steady_targets(index, workspace, paths)?;
+        if !self.ships.is_empty() {
+            let Workspace { own, ships, .. } = workspace;
+            let reception = self.reception(index, index, own, Window::UNBOUNDED);
+            self.append_some_panels(index, &reception, ships.mesh(), paths)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the amplitude of any point varies otherwise than with its path.
     pub fn varies(&self) -> bool {
-        self.circumstances().varies() || !self.ships.is_empty()
+        self.targets_vary() || !self.ships.is_empty()
+    }
+
+    /// Whether that of any target does.
+    pub fn targets_vary(&self) -> bool {
+        self.circumstances().varies()
     }
 
     /// Whether directions to targets are found at every pulse, for cross sections that depend on them.
@@ -210,7 +253,7 @@ impl PathGenerator {
 
     /// Whether waves move the target or the ship of a point.
     pub fn is_lifted(&self, point: usize) -> bool {
-        let first_panel = self.point_count() - self.ships.len();
+        let first_panel = self.target_count();
         if point >= first_panel {
             return self.ships.is_moved(point - first_panel);
         }
@@ -232,6 +275,30 @@ impl PathGenerator {
         workspace: &mut Workspace,
         out: &mut Vec<f64>,
     ) -> Result<(), RadarError> {
+        self.target_variations(index, most_of_run, workspace, out)?;
+        if self.ships.is_empty() {
+            return Ok(());
+        }
+        let Workspace { own, ships, .. } = workspace;
+        self.evaluate(index, own)?;
+        let reception = self.reception(index, index, own, Window::UNBOUNDED);
+        let targets = out.len();
+        self.ship_weights(index, reception.elapsed_s, out)?;
+        self.apply_gains(&reception, ships.mesh(), &mut out[targets..]);
+        Ok(())
+    }
+
+    /// The same of points that are no panels.
+    ///
+    /// # Errors
+    /// Those of [`Self::variations`].
+    pub fn target_variations(
+        &self,
+        index: u64,
+        most_of_run: Option<&[f64]>,
+        workspace: &mut Workspace,
+        out: &mut Vec<f64>,
+    ) -> Result<(), RadarError> {
         let own = &mut workspace.own;
         if !self.aspects.is_empty() {
             self.evaluate(index, own)?;
@@ -240,13 +307,18 @@ impl PathGenerator {
         own.vary(&self.circumstances(), index, elapsed_s, most_of_run)
             .map_err(|failure| self.track_error(index, failure))?;
         out.clone_from(&own.variation);
-        out.resize((self.point_count() - self.ships.len()) * self.pairs.len(), 1.0);
-        self.ship_weights(index, elapsed_s, out)
+        out.resize(self.target_count() * self.pairs.len(), 1.0);
+        Ok(())
     }
 
     /// How many of them there are.
     pub fn point_count(&self) -> usize {
-        self.targets.len() + self.images.len() + usize::from(self.radar.direct_path) + self.ships.len()
+        self.target_count() + self.ships.len()
+    }
+
+    /// How many of them are no panels of ships: they come first.
+    pub fn target_count(&self) -> usize {
+        self.targets.len() + self.images.len() + usize::from(self.radar.direct_path)
     }
 
     /// Appends targets and direct paths whether they are received or not.

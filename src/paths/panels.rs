@@ -2,17 +2,17 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
 use num_complex::Complex64;
 
 use super::PathGenerator;
 use super::emission::{Emission, TrackFailure};
 use super::facets::Reception;
+use super::ships::mesh::MeshWork;
 use super::ships::{Echoing, Scenery};
+use crate::cpu::Variant;
 use crate::geometry::light_time::Path;
-use crate::motion::pointing::PhaseCentre;
 use crate::paths::list::ScattererPaths;
-use crate::radar::fault::{RadarError, TrackUse, mounts};
+use crate::radar::fault::RadarError;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Buffers for the panels of ships.
@@ -22,6 +22,15 @@ pub(super) struct ShipWork {
     weights: Vec<f64>,
     /// Of an element.
     of_pairs: Vec<Path>,
+    /// For panels by lists; made when it is first asked for.
+    mesh: Option<Box<MeshWork>>,
+}
+
+impl ShipWork {
+    /// Buffers for panels by lists.
+    pub fn mesh(&mut self) -> &mut MeshWork {
+        self.mesh.get_or_insert_with(|| Box::new(MeshWork::new(Variant::fastest())))
+    }
 }
 
 impl PathGenerator {
@@ -31,6 +40,7 @@ impl PathGenerator {
         ShipWork {
             weights: Vec::with_capacity(self.ships.len() * pairs),
             of_pairs: Vec::with_capacity(pairs),
+            mesh: None,
         }
     }
 
@@ -92,29 +102,12 @@ impl PathGenerator {
         Ok(outside)
     }
 
-    /// Appends what every element of ships returns by itself, whether it is received or not.
-    pub(super) fn append_every_panel(
-        &self,
-        reception: &Reception,
-        (work, amplitude): (&mut ShipWork, &mut [Complex64]),
-        paths: &mut ScattererPaths,
-    ) {
-        self.visit_panels(
-            reception,
-            |_, _| 1.0,
-            (&mut work.of_pairs, amplitude),
-            |of_pairs, amplitude| {
-                paths.push(reception.offset_s, of_pairs.iter().map(|p| (p.delay_s, p.delay_rate)), amplitude);
-            },
-        );
-    }
-
     /// Appends the panels of ships of one emission.
     pub(super) fn append_ships(
         &self,
         emitted: u64,
         reception: &Reception,
-        (ShipWork { weights, of_pairs }, amplitude): (&mut ShipWork, &mut [Complex64]),
+        (ShipWork { weights, of_pairs, .. }, amplitude): (&mut ShipWork, &mut [Complex64]),
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
         if self.ships.is_empty() {
@@ -129,47 +122,6 @@ impl PathGenerator {
             }
         });
         Ok(())
-    }
-
-    /// Leaves out panels of ships that return nothing in some pulses: dark at all `nodes`, or hidden in all
-    /// pulses, whose `factors` are `[pulse][point][pair]`; says in `kept` which points are left.
-    pub fn leave_out_dark(
-        &self,
-        nodes: &mut [ScattererPaths],
-        factors: &mut Vec<f64>,
-        kept: &mut Vec<usize>,
-        pulses: usize,
-    ) {
-        let (points, pairs) = (self.point_count(), self.pairs.len());
-        let Some(stride) = (points * pairs).checked_mul(pulses).filter(|count| *count == factors.len())
-        else {
-            return;
-        };
-        if self.ships.is_empty() || stride == 0 {
-            return;
-        }
-        let first = points - self.ships.len();
-        let lit = |n: usize| {
-            nodes.iter().any(|node| node.amplitude.iter().any(|column| column[n] != Complex64::ZERO))
-        };
-        let seen = |n: usize| {
-            let of = n * pairs..(n + 1) * pairs;
-            factors
-                .chunks_exact(points * pairs)
-                .any(|row| row[of.clone()].iter().any(|factor| *factor != 0.0))
-        };
-        kept.clear();
-        kept.extend((0..points).filter(|n| *n < first || (lit(*n) && seen(*n))));
-        nodes.iter_mut().for_each(|node| node.keep(kept));
-        let mut to = 0;
-        for pulse in 0..pulses {
-            for n in kept.iter() {
-                let from = (pulse * points + n) * pairs;
-                factors.copy_within(from..from + pairs, to);
-                to += pairs;
-            }
-        }
-        factors.truncate(to);
     }
 
     /// Hands over the paths of every element, by pair, and its amplitudes, by channel.
@@ -216,15 +168,7 @@ impl PathGenerator {
         elapsed_s: f64,
         out: &mut Vec<f64>,
     ) -> Result<(), RadarError> {
-        let centre = |antenna: usize, time_s: f64| {
-            let Some((_, mount)) = mounts(&self.radar).nth(antenna) else {
-                return Ok(PhaseCentre::at_rest(crate::frames::Point::from_raw(DVec3::ZERO)));
-            };
-            let (platform, which) = (mount.platform, TrackUse::Truth);
-            let state = self.tracks[platform].truth.state(self.start.plus(time_s));
-            let state = state.map_err(|source| TrackFailure { platform, which, source })?;
-            Ok(PhaseCentre::of(&state, mount.lever_arm))
-        };
+        let centre = |antenna: usize, time_s: f64| self.antenna_at(antenna, time_s);
         self.ships
             .weights((&self.frame, self.hills.as_deref()), elapsed_s, &self.ends, centre, out)
             .map_err(|failure: TrackFailure| self.track_error(index, failure))

@@ -9,6 +9,8 @@
 //! What lies beyond the horizon of an antenna on a curved earth is hidden besides ([`horizon`]), each facet
 //! by its own height. Ships that echo by their mesh hide what lies behind and under them ([`Hulls`]).
 
+use std::ops::Range;
+
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
 use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
@@ -48,6 +50,8 @@ pub(super) struct Update<T: Real = f64> {
     /// `[antenna]`: `None` where the geometry cannot shadow.
     illuminated: Vec<bool>,
     weights: Vec<Vec<T>>,
+    /// `[antenna]`: outside of it weights are one; `None` where nothing is known of them.
+    dimmed: Vec<Option<Area>>,
 }
 
 /// The two updates around an instant, and what makes them: in f64, or from heights in f32.
@@ -228,7 +232,7 @@ impl Visibility {
         places: &[Point<Enu>],
         update: &mut Update,
     ) -> Result<(), ShadowError> {
-        let patch = &update.patch;
+        let patch = update.patch;
         for (row, heights_m) in heights_m.chunks_exact_mut(patch.facets[0]).enumerate() {
             for (column, z) in heights_m.iter_mut().enumerate() {
                 *z -= lower(patch.centre_m([patch.first[0] + column as i64, patch.first[1] + row as i64]));
@@ -239,31 +243,36 @@ impl Visibility {
         for antenna in 0..places.len() {
             // Antennas at one place see the same.
             if let Some(twin) = places[..antenna].iter().position(|place| *place == places[antenna]) {
-                update.illuminated[antenna] = update.illuminated[twin];
-                let (before, from) = update.weights.split_at_mut(antenna);
-                from[0].copy_from_slice(&before[twin]);
+                update.see_as(antenna, twin);
                 continue;
             }
             let place = places[antenna];
             let waves = self.waves && !relief.cannot_shadow(&map, place, self.settings);
-            let earth = !self.within_horizon(place, patch);
+            let earth = !self.within_horizon(place, &patch);
             let mut whole = !waves && !earth;
-            let weights = &mut update.weights[antenna];
+            let (weights, dimmed) = (&mut update.weights[antenna], &mut update.dimmed[antenna]);
+            if !whole {
+                *dimmed = None;
+            }
             if waves {
                 shadow.weights(&map, place, weights)?;
             } else if earth {
                 weights.fill(1.0);
             }
             if earth {
-                self.set_behind_earth(place, patch, heights_m, weights);
+                self.set_behind_earth(place, &patch, heights_m, weights);
             }
             if let Some(hulls) = &self.hulls {
-                hulls.hide(time_s, place.raw(), patch, heights_m, |facet| {
-                    if std::mem::take(&mut whole) {
-                        weights.fill(1.0);
-                    }
+                let width = patch.facets[0];
+                let mut area = whole.then(|| Area::brighten(weights, dimmed.take(), width));
+                hulls.hide(time_s, place.raw(), &patch, heights_m, |facet| {
+                    whole = false;
                     weights[facet] = 0.0;
+                    if let Some(area) = &mut area {
+                        area.add(facet, width);
+                    }
                 });
+                *dimmed = area;
             }
             update.illuminated[antenna] = whole;
         }
@@ -298,6 +307,7 @@ impl Visibility {
             patch: *patch,
             illuminated: vec![false; self.ends],
             weights: vec![vec![0.0; patch.len()]; self.ends],
+            dimmed: vec![None; self.ends],
         }
     }
 
@@ -327,7 +337,22 @@ impl Update {
             patch: self.patch,
             illuminated: self.illuminated.clone(),
             weights: weights.collect(),
+            dimmed: self.dimmed.clone(),
         }
+    }
+
+    /// An antenna sees what one before it sees.
+    fn see_as(&mut self, antenna: usize, twin: usize) {
+        self.illuminated[antenna] = self.illuminated[twin];
+        let (before, from) = self.weights.split_at_mut(antenna);
+        match (&self.dimmed[twin], &self.dimmed[antenna]) {
+            (Some(area), Some(held)) => {
+                let width = self.patch.facets[0];
+                area.copy(&before[twin], (held, &mut from[0]), width, (1.0, |weight| weight));
+            }
+            _ => from[0].copy_from_slice(&before[twin]),
+        }
+        self.dimmed[antenna] = self.dimmed[twin].clone();
     }
 
     /// Weight of the facet with a global key from an antenna, 0 to 1.
@@ -341,6 +366,7 @@ impl Update<f32> {
     fn copy_from(&mut self, other: &Update) {
         (self.number, self.patch) = (other.number, other.patch);
         self.illuminated.copy_from_slice(&other.illuminated);
+        self.dimmed.clone_from_slice(&other.dimmed);
         for (to, from) in self.weights.iter_mut().zip(&other.weights) {
             to.iter_mut().zip(from).for_each(|(to, from)| *to = *from as f32);
         }
@@ -348,8 +374,21 @@ impl Update<f32> {
 }
 
 impl<T: Real> Update<T> {
-    /// Weights of all facets of a patch from an antenna, in its order.
-    pub fn weights_over(&self, antenna: usize, patch: &Patch, out: &mut Vec<f32>) {
+    /// Weights of all facets of a patch from an antenna, in its order, and outside of which area they are one; what
+    /// is there already is of another update.
+    pub fn copy_over(&self, antenna: usize, patch: &Patch, (out, held): (&mut Vec<f32>, &mut Option<Area>)) {
+        let area = self.dimmed[antenna].as_ref().filter(|_| self.patch == *patch);
+        match (area, &held) {
+            (Some(area), Some(held)) if out.len() == patch.len() => {
+                let convert = |weight: T| weight.widen() as f32;
+                area.copy(&self.weights[antenna], (held, out), patch.facets[0], (1.0, convert));
+            }
+            _ => self.weights_over(antenna, patch, out),
+        }
+        *held = area.cloned();
+    }
+
+    fn weights_over(&self, antenna: usize, patch: &Patch, out: &mut Vec<f32>) {
         out.clear();
         let own = &self.weights[antenna];
         let [width, first_x] = [patch.facets[0] as i64, patch.first[0]];
@@ -383,5 +422,89 @@ impl Mix<'_> {
     pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
         let before = self.before.weight(antenna, key);
         before + self.share * (self.after.weight(antenna, key) - before)
+    }
+}
+
+/// Rows and columns of the facets of a patch: outside of it weights are one, and stay so from update to update.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::paths) struct Area {
+    rows: Range<usize>,
+    columns: Range<usize>,
+}
+
+impl Area {
+    /// Grows about a facet of a patch so many facets wide.
+    pub fn add(&mut self, index: usize, width: usize) {
+        for (range, at) in [(&mut self.rows, index / width), (&mut self.columns, index % width)] {
+            *range = if range.start == range.end {
+                at..at + 1
+            } else {
+                range.start.min(at)..range.end.max(at + 1)
+            };
+        }
+    }
+
+    /// Whether it has any of some neighbours in a row.
+    pub fn touches(&self, first: usize, count: usize, width: usize) -> bool {
+        let (row, column) = (first / width, first % width);
+        self.rows.contains(&row) && column < self.columns.end && self.columns.start < column + count
+    }
+
+    /// Its facets, row by row.
+    fn facets(&self, width: usize) -> impl Iterator<Item = Range<usize>> + use<> {
+        let columns = self.columns.clone();
+        self.rows.clone().map(move |row| row * width + columns.start..row * width + columns.end)
+    }
+
+    /// Makes all weights one that are not, and says where they were: nowhere, now.
+    pub fn brighten(weights: &mut [f64], held: Option<Self>, width: usize) -> Self {
+        match held {
+            Some(area) => area.facets(width).for_each(|facets| weights[facets].fill(1.0)),
+            None => weights.fill(1.0),
+        }
+        Self::default()
+    }
+
+    /// Makes weights those of others, of which and of their own those outside of the areas are one.
+    pub fn copy<S: Copy, T: Copy>(
+        &self,
+        from: &[S],
+        (held, to): (&Self, &mut [T]),
+        width: usize,
+        (one, convert): (T, impl Fn(S) -> T),
+    ) {
+        held.facets(width).for_each(|facets| to[facets].fill(one));
+        for facets in self.facets(width) {
+            let own = to[facets.clone()].iter_mut().zip(&from[facets]);
+            own.for_each(|(to, from)| *to = convert(*from));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Weights that are changed where areas say are those that are written anew.
+    #[test]
+    fn areas_hold_what_is_not_one() {
+        let (width, facets) = (7, 35);
+        let (mut weights, mut held) = (vec![0.3; facets], None);
+        let (mut copied, mut of_copy) = (vec![1.0f32; facets], Area::default());
+        for dark in [vec![8, 16, 17], vec![], vec![34, 0], vec![10]] {
+            let mut area = Area::brighten(&mut weights, held.take(), width);
+            for facet in &dark {
+                weights[*facet] = 0.0;
+                area.add(*facet, width);
+            }
+            area.copy(&weights, (&of_copy, &mut copied), width, (1.0, |weight| weight as f32));
+            for (n, (own, copy)) in weights.iter().zip(&copied).enumerate() {
+                let wanted = if dark.contains(&n) { 0.0 } else { 1.0 };
+                assert!(*own == wanted && f64::from(*copy) == wanted, "{dark:?} {n}");
+                assert!(area.touches(n, 1, width) || wanted == 1.0);
+            }
+            assert_eq!(area.touches(0, facets.min(width), width), dark.iter().any(|n| *n < width));
+            (of_copy, held) = (area.clone(), Some(area));
+        }
     }
 }

@@ -27,7 +27,7 @@ use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::fidelity::echo_settings::{EchoSettings, block_length, block_pulses};
 use crate::fidelity::probe::points::{mean_rate, of_points};
 use crate::paths::block::{
-    Borders, Instants, NODES, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, nodes_within,
+    Borders, Instants, NODES, PanelWork, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, nodes_within,
 };
 use crate::paths::list::ScattererPaths;
 use crate::paths::spikes::stretch::Stretch;
@@ -58,6 +58,8 @@ pub(crate) struct BlockEcho {
     length: u64,
     hold_pulses: Option<u64>,
     gain_pulses: usize,
+    /// Pulses from node to node of panels of ships.
+    panel_pulses: usize,
     epochs_per_node: usize,
     sidelobe: Option<Sidelobe>,
     /// Power of a facet over the mean below which it is left out.
@@ -84,8 +86,7 @@ pub(crate) struct BlockWork {
     variations: Vec<f64>,
     /// `[pulse][point][pair]` of a part of the block.
     factors: Vec<f64>,
-    /// Points of it that are not dark.
-    lit: Vec<usize>,
+    panels: Option<Box<PanelWork>>,
     /// For pulses that are taken in bands of Doppler.
     bands: Option<Bands<f32>>,
     /// Scatterer paths of the block at hand that are spread, over all pairs.
@@ -121,6 +122,7 @@ impl BlockEcho {
             length: block_length(chosen.node_pulses, hold_pulses),
             hold_pulses,
             gain_pulses,
+            panel_pulses: usize::try_from(chosen.panel_pulses.unwrap_or(1)).unwrap_or(1).clamp(1, MAX_PULSES),
             epochs_per_node: chosen.epochs_per_node,
             sidelobe: chosen.sidelobe,
             least_power: chosen.least_power,
@@ -160,9 +162,9 @@ impl BlockEcho {
             lanes: LaneWork::default(),
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
-            variations: Vec::with_capacity(generator.point_count() * pairs),
+            variations: Vec::with_capacity(generator.target_count() * pairs),
             factors: Vec::new(),
-            lit: Vec::with_capacity(generator.point_count()),
+            panels: generator.panel_work(variant, self.pulses_of_panels()),
             bands: self.band_hz().map(|_| self.synth.bands()),
             spread: 0,
         }
@@ -270,12 +272,17 @@ impl BlockEcho {
             memory.costs.looked_at_less(tally.sidelobe as usize);
             work.spread = (illuminated - culled) * generator.pairs().len();
         }
-        if generator.point_count() > 0 {
-            let step = self.pulses_of_points();
+        if generator.target_count() > 0 {
+            let step = (NODES - 1) * self.gain_pulses;
             for from in (0..pulses).step_by(step) {
-                self.points(generator, first, from..(from + step).min(pulses), memory, work)?;
+                self.targets(generator, first, from..(from + step).min(pulses), memory, work)?;
             }
             work.spread += work.part.found().spread;
+        }
+        if let Some(mut panels) = work.panels.take() {
+            let made = self.panels(generator, (first, pulses), memory, work, &mut panels);
+            work.panels = Some(panels);
+            work.spread += made?;
         }
         let mut exact = 0;
         if let (Some(patch), true) = (&patch, generator.breakers_alive() > 0.0) {
@@ -331,17 +338,31 @@ impl BlockEcho {
         memory: &mut Workspace,
         work: &mut BlockWork,
     ) -> Result<usize, PulseError> {
+        let count = pulses.len();
+        self.spread_nodes(pulses, memory, work, |part, factors| {
+            for of_pulse in factors.chunks_exact((factors.len() / count).max(1)) {
+                part.push_factors(of_pulse);
+            }
+        })
+    }
+
+    /// The same with factors that `weigh` puts in; it has those at hand.
+    fn spread_nodes(
+        &self,
+        pulses: Range<usize>,
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+        weigh: impl FnOnce(&mut BlockPaths<f32>, &[f64]),
+    ) -> Result<usize, PulseError> {
         let BlockWork { nodes, frame, part, grids, factors, .. } = work;
         let (at, count) = nodes_within(pulses.len());
         let mut given = [Node { pulse: 0, paths: &nodes[0] }; NODES];
         for ((node, &pulse), paths) in given.iter_mut().zip(&at).zip(nodes.iter()) {
             *node = Node { pulse, paths };
         }
-        self.synth.fill_part(&given[..count], frame, pulses.clone(), part)?;
+        self.synth.fill_part(&given[..count], frame, pulses, part)?;
         check(part.found())?;
-        for of_pulse in factors.chunks_exact((factors.len() / pulses.len()).max(1)) {
-            part.push_factors(of_pulse);
-        }
+        weigh(part, factors);
         memory.costs.lap(Stage::Fill);
         self.synth.spread_part(part, grids);
         memory.costs.lap(Stage::Spread);
@@ -369,7 +390,7 @@ impl BlockEcho {
         Ok(part.found().spread)
     }
 
-    /// Mean Doppler of every pair, weighted by received power: of the sea's sample, and of targets at
+    /// Mean Doppler of every pair, weighted by received power: of the sea's sample, and of targets and ships at
     /// [`of_points`] (of all of them where the window receives nothing).
     fn mean_doppler(
         &self,
@@ -382,7 +403,7 @@ impl BlockEcho {
     ) -> Result<(), PulseError> {
         let of_pulses = if generator.point_count() > 0 { &of_points(windows_s.len())[..] } else { &[] };
         for (pulse, points) in of_pulses.iter().zip(points.iter_mut()) {
-            generator.points(first + *pulse as u64, memory, points)?;
+            generator.points_of_mean(first + *pulse as u64, memory, points)?;
         }
         // Rain: all three pulses as the middle one.
         let middle = windows_s.len() / 2;
@@ -415,13 +436,13 @@ impl BlockEcho {
         Ok(())
     }
 
-    /// Pulses whose targets, direct paths and panels of ships are found together, at most.
-    pub fn pulses_of_points(&self) -> usize {
-        (NODES - 1) * self.gain_pulses
+    /// Pulses whose panels of ships are found together, at most.
+    pub fn pulses_of_panels(&self) -> usize {
+        ((NODES - 1) * self.panel_pulses + 1).min(self.length as usize)
     }
 
     /// Targets and direct paths of some pulses of the block.
-    fn points(
+    fn targets(
         &self,
         generator: &PathGenerator,
         first: u64,
@@ -429,21 +450,50 @@ impl BlockEcho {
         memory: &mut Workspace,
         work: &mut BlockWork,
     ) -> Result<(), PulseError> {
-        let BlockWork { nodes, variations, factors, lit, .. } = &mut *work;
+        let BlockWork { nodes, variations, factors, .. } = &mut *work;
         let (at, count) = nodes_within(pulses.len());
         for (node, place) in nodes.iter_mut().zip(&at[..count]) {
-            generator.points(first + (pulses.start + place) as u64, memory, node)?;
+            generator.steady_targets(first + (pulses.start + place) as u64, memory, node)?;
         }
         factors.clear();
-        if generator.varies() {
+        if generator.targets_vary() {
             for pulse in pulses.clone() {
-                generator.variations(first + pulse as u64, None, memory, variations)?;
+                generator.target_variations(first + pulse as u64, None, memory, variations)?;
                 factors.extend_from_slice(variations);
             }
         }
-        generator.leave_out_dark(&mut nodes[..count], factors, lit, pulses.len());
         self.spread_stretch(pulses, memory, work)?;
         Ok(())
+    }
+
+    /// Panels of ships of the block; says how many paths are spread.
+    fn panels(
+        &self,
+        generator: &PathGenerator,
+        (first, pulses): (u64, usize),
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+        panels: &mut PanelWork,
+    ) -> Result<usize, PulseError> {
+        let parts = pulses.div_ceil(self.pulses_of_panels());
+        let mut spread = 0;
+        for part in 0..parts {
+            // Parts as long as each other: nodes lie as close as they can.
+            let own = part * pulses / parts..(part + 1) * pulses / parts;
+            let (at, count) = nodes_within(own.len());
+            let at = &at[..count];
+            let of_run = first + own.start as u64..first + own.end as u64;
+            generator.panels(of_run, at, panels, &mut work.nodes[..count])?;
+            memory.costs.lap(Stage::ScattererPaths);
+            if work.nodes[0].is_empty() {
+                continue;
+            }
+            let found = self.spread_nodes(own, memory, work, |part, _| {
+                (0..generator.pairs().len()).for_each(|pair| part.set_factors(pair, panels.factors(pair)));
+            })?;
+            spread = spread.max(found);
+        }
+        Ok(spread)
     }
 }
 

@@ -197,7 +197,7 @@ impl PulseFactory {
     /// About what ships that echo by their mesh take with so many workers, bytes.
     pub(crate) fn ship_bytes(&self, threads: usize) -> u64 {
         let (lists, pulses) = match &self.echo {
-            Echo::Fast(blocks) => (NODES + 1, blocks.pulses_of_points() + 1),
+            Echo::Fast(blocks) => (NODES + 1, blocks.pulses_of_panels() + 1),
             Echo::Reference(_) | Echo::Single(_) => (1, 1),
         };
         let sizes = [self.layout.pairs, self.echo_channels()];

@@ -75,6 +75,11 @@ impl Antenna {
         })
     }
 
+    /// Whether its field gain is a real number everywhere, so that it can be kept apart from the amplitude.
+    pub fn is_real(&self) -> bool {
+        !matches!(self, Self::Grid(_))
+    }
+
     /// Field gain towards a unit direction in the antenna frame.
     pub fn field_gain(&self, direction: Vector<frames::Antenna>) -> Complex64 {
         let d = direction.raw();

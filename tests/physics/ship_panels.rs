@@ -9,6 +9,7 @@ use nereus::paths::PathGenerator;
 use nereus::paths::list::ScattererPaths;
 use nereus::pulse::flags;
 use nereus::scene::mesh::{Triangle, divided};
+use nereus::scene::radar::Pattern;
 use nereus::scene::sea::Shadowing;
 use nereus::scene::ship::{HullForm, HullGiven, ShipMesh, ShipMotion};
 use nereus::scene::{Scene, Ship};
@@ -16,7 +17,7 @@ use nereus::sea::realise::realise;
 use nereus::time::PulseTimes;
 use num_complex::Complex64;
 
-use crate::radar_scenes::{PULSE_S, buffers, evaluate, pulse, scene, straight};
+use crate::radar_scenes::{PULSE_S, buffers, channels, evaluate, pulse, scene, straight};
 use crate::sea_paths::sea;
 
 const EARTH: Earth = Earth::Curved { radius_factor: 4.0 / 3.0 };
@@ -209,6 +210,68 @@ fn panels_that_ride_have_the_doppler_of_their_paths() {
     }
     // Level, they differ by what ship and radar turn about each other, 10 m/s over 1 km.
     assert!(spread_mps[0] > 1.5 * spread_mps[1], "{spread_mps:?}");
+}
+
+/// What blocks of pulses take of panels and double bounces, many at a time, is what the reference has of them one by
+/// one: patterns and ports of all kinds, two aircraft, a ship that rides the waves, a horizon.
+#[test]
+fn panels_side_by_side_are_as_one_by_one() {
+    use nereus::scene::radar::Polarisation::{H, L, R, V};
+    let form = HullForm { length_m: 20.0, beam_m: 8.0, draught_m: 1.5, block: 0.7 };
+    let (mut scene, _) = riding(house(), form, 2.0, [0.0; 3]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fan.csv");
+    let turning = "az_deg,el_deg,gain_dbi,phase_deg\n-90,-90,3,20\n-90,90,5,-70\n90,-90,9,150\n90,90,2,10\n";
+    std::fs::write(&path, turning).unwrap();
+    let patterns = [
+        Pattern::Isotropic { gain_dbi: 10.0 },
+        Pattern::Rectangle { width_m: 1.5, height_m: 0.1 },
+        Pattern::Ellipse { width_m: 0.5, height_m: 0.3 },
+        Pattern::File { path, floor_dbi: -40.0 },
+    ];
+    let (mut worst, mut bounces) = (0f64, 0);
+    for (n, pattern) in patterns.iter().enumerate() {
+        scene.frame = SceneFrame::plain(if n == 0 { EARTH } else { Earth::Flat }).with_horizon(n == 0);
+        scene.radar.transmitters[0].antenna.pattern = pattern.clone();
+        scene.radar.receivers[0].antenna.pattern = patterns[(n + 1) % patterns.len()].clone();
+        scene.radar.receivers[0].antenna.cross_pol_isolation_db = Some(20.0);
+        scene.radar.channels = channels(&[(H, H), (V, H), (R, V), (L, R)]);
+        let tracks = vec![
+            straight(&scene, [-900.0, 400.0, 300.0], [200.0, 30.0, 5.0]),
+            straight(&scene, [700.0, -800.0, 150.0 + 400.0 * n as f64], [-90.0, 150.0, 0.0]),
+        ];
+        let generator = PathGenerator::new(&scene, PULSE_S, tracks).unwrap();
+        for index in [3, 700, 2200] {
+            let (exact, _) = evaluate(&scene, &generator, index);
+            let (mut found, mut factors) = (buffers(&scene).0, Vec::new());
+            let mut workspace = generator.workspace();
+            generator.points(index, &mut workspace, &mut found).unwrap();
+            generator.variations(index, None, &mut workspace, &mut factors).unwrap();
+            let largest = exact
+                .amplitude
+                .iter()
+                .flat_map(|column| &column[..100])
+                .map(|a| a.norm())
+                .fold(0.0, f64::max);
+            let mut at = 0;
+            for (n, factor) in factors.iter().enumerate() {
+                let met = (found.delay_s[0][n] - exact.delay_s[0][at]).abs() < 1e-17 && *factor != 0.0;
+                for (own, exact) in found.amplitude.iter().zip(&exact.amplitude) {
+                    let exact = if met { exact[at] } else { Complex64::ZERO };
+                    worst = worst.max((own[n] * factor - exact).norm() / largest);
+                }
+                if met {
+                    assert!((found.delay_rate[0][n] - exact.delay_rate[0][at]).abs() < 1e-15);
+                    bounces += usize::from(n >= house().len());
+                    at += 1;
+                }
+            }
+            assert!(at > 100, "{at}");
+        }
+    }
+    println!("panels side by side differ by up to {worst:.1e}, {bounces} double bounces among them");
+    // Roundings of phases of up to 400 rad.
+    assert!(worst < 1e-11 && bounces > 50, "{worst:e} {bounces}");
 }
 
 /// A skiff that is much smaller than the waves lies on the surface: its mid and its bow are where the water

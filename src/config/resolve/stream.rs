@@ -99,7 +99,8 @@ pub(super) fn stream(
 /// `[fidelity]`.
 pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
     use keys::fidelity::{
-        DOPPLER, ECHO, ERROR_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, SCATTER_PULSES, SIDELOBE_DB,
+        DOPPLER, ECHO, ERROR_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, PANEL_PULSES, SCATTER_PULSES,
+        SIDELOBE_DB,
     };
     let section = root.section_or_empty(&keys::root::FIDELITY)?;
     let echo = section.choice(&ECHO);
@@ -114,6 +115,7 @@ pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
         node_pulses: section.count(&NODE_PULSES),
         scatter_pulses: section.count(&SCATTER_PULSES),
         gain_pulses: section.count(&GAIN_PULSES),
+        panel_pulses: section.count(&PANEL_PULSES),
         sidelobe_db: section.number(&SIDELOBE_DB),
         kernel_width: width.and_then(|width| usize::try_from(width).ok()),
         doppler,

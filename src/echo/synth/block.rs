@@ -154,6 +154,12 @@ impl<T: Scalar> BlockPaths<T> {
         }
     }
 
+    /// Multiplies the amplitudes of a pair by `[pulse][path]`. Filling forgets it.
+    pub fn set_factors(&mut self, pair: usize, factors: &[T]) {
+        self.factors[pair].clear();
+        self.factors[pair].extend_from_slice(factors);
+    }
+
     /// Windows and mean Doppler.
     pub fn frame(&self) -> &Frame {
         &self.frame

@@ -1,4 +1,4 @@
-//! Targets and direct paths of a run.
+//! Targets, direct paths and panels of ships of a run.
 //!
 //! They are few, so they are followed themselves: at up to 65536 pulses spread over the run for their power,
 //! and in **stretches** of [`LONGEST`] successive pulses for what is left of them, all of the run where it is
@@ -14,6 +14,10 @@
 //! What lifts a target is a Gaussian process: the largest of `N` stretches of the run exceeds the largest of
 //! the `n` that are followed by about `sqrt(ln N / ln n)`, by which what is left of such targets is
 //! multiplied.
+//!
+//! Panels of ships have nodes of their own, and gains that are found at every pulse: what cubics leave of them is
+//! what they leave of the amplitude without these, times gains and the share that is not hidden. It may be in phase
+//! with what is left of targets.
 //!
 //! Limits: points that are loud for less than the pulses from one of the profile to the next may be missed.
 
@@ -52,9 +56,11 @@ pub struct Points {
     pub fastest: f64,
     /// Most power of a pulse over that of random phases, 1 at least.
     coherence: f64,
-    /// Points that are followed, and the power of all over theirs.
+    /// Points that are followed, panels of ships last, and from which on they are that.
     followed: Vec<usize>,
-    all_of_followed: f64,
+    panels_from: usize,
+    /// Power of all over that of those followed: of targets, and of panels.
+    all_of_followed: [f64; 2],
     /// The most that fluctuations make of each target's power at any pulse; empty where there are none.
     most_of_run: Vec<f64>,
     /// First pulses of the stretches.
@@ -62,14 +68,23 @@ pub struct Points {
     /// What is left of each point in the whole run over what is left in the stretches; empty where it is the
     /// same.
     unseen: Vec<f64>,
-    /// What cubics leave: steps of gain, and powers by channel.
+    /// What cubics leave of targets: steps of gain, and powers by channel.
     swept: Vec<(u64, Powers)>,
+    /// The same of panels, by the steps of their nodes; empty where there are none.
+    swept_panels: Vec<(u64, Powers)>,
+    /// The step that was chosen.
+    panel_pulses: Option<u64>,
 }
 
 impl Points {
-    /// What cubics between gains every so many pulses leave, by channel, where they were followed with these.
-    pub fn swept(&self, gain_pulses: u64) -> Option<&Powers> {
-        self.swept.iter().find(|(step, _)| *step == gain_pulses).map(|(_, powers)| powers)
+    /// What cubics between gains every so many pulses leave, by channel, where they were followed with these, and
+    /// what those of panels leave.
+    pub fn swept(&self, gain_pulses: u64) -> Option<Powers> {
+        let (_, own) = self.swept.iter().find(|(step, _)| *step == gain_pulses)?;
+        let of_panels = self.swept_panels.iter().find(|(step, _)| Some(*step) == self.panel_pulses);
+        let Some((_, of_panels)) = of_panels else { return Some(own.clone()) };
+        let in_phase = |(a, b): (&f64, &f64)| (a.sqrt() + b.sqrt()).powi(2);
+        Some(own.iter().zip(of_panels).map(in_phase).collect())
     }
 }
 
@@ -210,7 +225,13 @@ impl ErrorSampler<'_> {
         loud.sort_by(|a, b| b.0.total_cmp(&a.0));
         self.points.loudest = loud.first().map_or(0, |(_, index)| *index);
         self.points.stretches = stretches(self.pulses, points as u64, &loud);
-        (self.points.followed, self.points.all_of_followed) = loudest(&of_each, MOST_POINTS);
+        let (targets, panels) = of_each.split_at(self.generator.target_count());
+        let [(targets, of_targets), (panels, of_panels)] =
+            [targets, panels].map(|of_each| loudest(of_each, MOST_POINTS));
+        let first_panel = self.generator.target_count();
+        self.points.panels_from = targets.len();
+        self.points.followed = targets.into_iter().chain(panels.iter().map(|n| first_panel + n)).collect();
+        self.points.all_of_followed = [of_targets, of_panels];
         let unseen = unseen(self.points.stretches.len() as u64, self.pulses);
         if unseen > 1.0 && (0..points).any(|n| self.generator.is_lifted(n)) {
             let of = |n| if self.generator.is_lifted(n) { unseen } else { 1.0 };
@@ -219,12 +240,18 @@ impl ErrorSampler<'_> {
         Ok(())
     }
 
-    /// Follows the points through the stretches with gains every so many pulses.
+    /// Follows the points through the stretches with gains every so many pulses, and panels of ships with nodes
+    /// every so many.
     ///
     /// # Errors
     /// A track that ends before the run.
-    pub fn follow_points(&mut self, gain_pulses: &[u64]) -> Result<(), RadarError> {
-        let mut swept: Vec<_> = gain_pulses.iter().map(|step| (*step, vec![0.0; self.power.len()])).collect();
+    pub fn follow_points(&mut self, gain_pulses: &[u64], panel_pulses: &[u64]) -> Result<(), RadarError> {
+        let nothing = |step: &u64| (*step, vec![0.0; self.power.len()]);
+        let mut swept: Vec<_> = gain_pulses.iter().map(nothing).collect();
+        let meshes = self.generator.ship_paths() > 0;
+        let mut swept_panels: Vec<_> = panel_pulses.iter().filter(|_| meshes).map(nothing).collect();
+        let (targets, panels) =
+            (0..self.points.panels_from, self.points.panels_from..self.points.followed.len());
         let bounds = [self.deviations(), self.points.coherence];
         for n in 0..self.points.stretches.len() {
             let stretch = self.stretch(n)?;
@@ -235,15 +262,30 @@ impl ErrorSampler<'_> {
                     self.points.highest[channel] = self.points.highest[channel].max(most);
                 }
             }
-            for (step, worst) in &mut swept {
-                let length = usize::try_from(3 * *step).unwrap_or(usize::MAX).max(1);
-                for from in (0..stretch.exact.len()).step_by(length) {
-                    self.add_part(&stretch, from..(from + length).min(stretch.exact.len()), worst);
+            for (steps, points, more) in
+                [(&mut swept, targets.clone(), 0), (&mut swept_panels, panels.clone(), 1)]
+            {
+                for (step, worst) in steps {
+                    let length = usize::try_from(3 * *step + more).unwrap_or(usize::MAX).max(1);
+                    for from in (0..stretch.exact.len()).step_by(length) {
+                        let pulses = from..(from + length).min(stretch.exact.len());
+                        self.add_part(&stretch, pulses, points.clone(), worst);
+                    }
                 }
             }
         }
-        self.points.swept = swept;
+        (self.points.swept, self.points.swept_panels) = (swept, swept_panels);
         Ok(())
+    }
+
+    /// The most pulses from node to node of the panels of ships that leave no more than a share of the echo, of
+    /// those that were followed, or the fewest; `None` without ships that echo by their mesh.
+    pub fn choose_panel_pulses(&mut self, share: f64) -> Option<u64> {
+        let left = |powers: &Powers| self.sampled() * self.worst_ratio(powers);
+        let swept = &self.points.swept_panels;
+        let keeps = swept.iter().filter(|(_, powers)| left(powers) <= share).map(|(step, _)| *step).max();
+        self.points.panel_pulses = keeps.or_else(|| swept.iter().map(|(step, _)| *step).min());
+        self.points.panel_pulses
     }
 
     /// The most that Doppler within a pulse leaves of points in the worst pulse of blocks of so many pulses
@@ -330,15 +372,18 @@ impl ErrorSampler<'_> {
     fn stretch(&mut self, n: usize) -> Result<Stretch, RadarError> {
         let first = self.points.stretches[n];
         let mut all = self.no_points();
-        let scale = self.points.all_of_followed.sqrt();
+        let [of_targets, of_panels] = self.points.all_of_followed.map(f64::sqrt);
+        let first_panel = self.generator.target_count();
+        let scale = |n: usize| if n < first_panel { of_targets } else { of_panels };
         let (exact, lines, rates, most) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut stretch = Stretch { first, exact, lines, rates, most };
         for index in first..first.saturating_add(LONGEST).min(self.pulses) {
             let (_, rates) = self.points_at(index, &mut all)?;
             let of =
                 |column: &Vec<f64>| -> Vec<f64> { self.points.followed.iter().map(|n| column[*n]).collect() };
-            let amplitude =
-                |column: &Vec<Complex64>| self.points.followed.iter().map(|n| scale * column[*n]).collect();
+            let amplitude = |column: &Vec<Complex64>| {
+                self.points.followed.iter().map(|n| scale(*n) * column[*n]).collect()
+            };
             let delay_s: Vec<Vec<f64>> = all.delay_s.iter().map(of).collect();
             stretch.lines.push(delay_s.iter().map(|own| Line::new(own, self.cells_per_s)).collect());
             stretch.exact.push(ScattererPaths {
@@ -378,8 +423,15 @@ impl ErrorSampler<'_> {
         self.generator.points(index, &mut self.memory, paths)?;
         let opens_s = self.generator.window_start_of(index)?;
         let share = |delay_s: f64| self.generator.received_share(index, opens_s, delay_s);
+        let mut of_mean = None;
+        if self.generator.ship_paths() > 0 {
+            let mut some = self.no_points();
+            self.generator.points_of_mean(index, &mut self.memory, &mut some)?;
+            of_mean = Some(some);
+        }
+        let of_mean = of_mean.as_ref().unwrap_or(paths);
         let rates =
-            |pair| [self.generator.rates(paths, pair, share), self.generator.rates(paths, pair, |_| 1.0)];
+            |pair| [self.generator.rates(of_mean, pair, share), self.generator.rates(of_mean, pair, |_| 1.0)];
         let rates = (0..self.channels.len()).map(rates).collect();
         for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
             let courses = paths.delay_s[*pair].iter().zip(&paths.delay_rate[*pair]);
@@ -399,8 +451,11 @@ impl ErrorSampler<'_> {
         Ok((opens_s, rates))
     }
 
-    /// The worst pulse of some that have a cubic in common: three steps of gain.
-    fn add_part(&self, of: &Stretch, pulses: Range<usize>, worst: &mut Powers) {
+    /// The worst pulse of some that have a cubic in common, for some of the points that are followed.
+    fn add_part(&self, of: &Stretch, pulses: Range<usize>, points: Range<usize>, worst: &mut Powers) {
+        if points.is_empty() {
+            return;
+        }
         let (exact, lines, varied) = (&of.exact[pulses.clone()], &of.lines[pulses.clone()], &of.most[pulses]);
         let turns_per_s = TAU * self.radar.carrier_hz;
         let bounds = [self.deviations(), self.points.coherence];
@@ -410,6 +465,9 @@ impl ErrorSampler<'_> {
             let weights = through(nodes, pulse);
             for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
                 let off = |n: usize| {
+                    if !points.contains(&n) {
+                        return 0.0;
+                    }
                     let (delay_s, a) = (own.delay_s[*pair][n], own.amplitude[channel][n]);
                     let (mut late_s, mut found) = (0.0, Complex64::ZERO);
                     for (m, weight) in nodes.iter().zip(weights) {

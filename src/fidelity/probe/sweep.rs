@@ -32,7 +32,7 @@ pub struct Sweeps {
     steps: Vec<u64>,
     /// `[place][close, sidelobe][step]`.
     sea: Vec<[Vec<Probed>; 2]>,
-    /// Of points, steps and powers.
+    /// Of points, steps and powers; panels of ships with the step of theirs.
     points: Vec<(u64, Powers)>,
     channels: usize,
     share: f64,

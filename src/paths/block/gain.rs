@@ -49,12 +49,6 @@ impl Shape {
     }
 }
 
-/// Whether the field gain of an antenna is a real number everywhere, so that it can be kept apart from the
-/// amplitude.
-pub(in crate::paths) fn is_real(antenna: &Antenna) -> bool {
-    !matches!(antenna, Antenna::Grid(_))
-}
-
 /// Product of the real field gains of both antennas towards facets, whose directions are interpolated between
 /// nodes.
 pub(super) struct Gains<'a> {
@@ -73,7 +67,7 @@ impl Gains<'_> {
         let Self { count, ends, nodes, weights, out } = self;
         out.fill(1.0);
         for (end, sighted) in ends.iter().enumerate() {
-            if !is_real(sighted.antenna) {
+            if !sighted.antenna.is_real() {
                 continue;
             }
             let shape = Shape::of(sighted.antenna);

@@ -4,7 +4,7 @@ use num_complex::Complex32;
 
 use super::TileWork;
 use super::factor::{Illuminated, Shadowed, Stretched, Turn, Turns, Weigh};
-use super::gain::{Gains, Sighted, is_real};
+use super::gain::{Gains, Sighted};
 use super::instants::Tier;
 use super::runs::Gather;
 use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
@@ -104,7 +104,7 @@ impl PathGenerator {
         [of.transmitter, self.radar.transmitters.len() + of.receiver]
             .iter()
             .map(|antenna| &self.antennas[*antenna])
-            .filter(|antenna| is_real(antenna))
+            .filter(|antenna| antenna.is_real())
             .map(|antenna| antenna.field_gain(ahead).re.abs())
             .product()
     }
@@ -126,6 +126,7 @@ impl PathGenerator {
             fall,
             shadow_updates,
             seen,
+            dims,
             tile,
             ..
         } = work;
@@ -172,14 +173,16 @@ impl PathGenerator {
         }
         let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         seen.resize(shadow_updates.len() * ends, [1.0; LANES]);
-        for (row, weights) in
-            seen.iter_mut().zip(shadow_updates.iter().flat_map(|update_weights| &update_weights.weights))
-        {
-            if weights.is_empty() {
-                row.fill(1.0);
+        dims.clear();
+        for (n, row) in seen.iter_mut().enumerate() {
+            let (update, antenna) = (&shadow_updates[n / ends], n % ends);
+            let own = update.dims(antenna, runs, nx);
+            if own {
+                variant.run(Gather { runs, from: &update.weights[antenna], to: row });
             } else {
-                variant.run(Gather { runs, from: weights, to: row });
+                row.fill(1.0);
             }
+            dims.push(own);
         }
     }
 
@@ -306,7 +309,7 @@ impl PathGenerator {
     }
 
     /// Axes of an antenna of a pair at an emission, and their change in a second.
-    fn axes_of(&self, emission: &Emission, antenna: usize) -> (Axes, Axes) {
+    pub(super) fn axes_of(&self, emission: &Emission, antenna: usize) -> (Axes, Axes) {
         let now = emission.axes(antenna);
         if self.axes_span_s > 0.0 {
             let later = emission.axes_after(antenna, self.axes_span_s, self.axes_span_s);
@@ -426,7 +429,7 @@ impl PathGenerator {
             }
         }
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
-            if !is_real(&self.antennas[antenna]) {
+            if !self.antennas[antenna].is_real() {
                 self.complex_gain(antenna, axes, change, end, view, out, count);
             }
         }
@@ -519,7 +522,7 @@ impl PathGenerator {
 
     /// Factors of every pulse: gains, shadows, facets that turn away.
     fn factors(&self, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, gain_rows, timings, shadow_updates, shares, seen, tile, .. } = work;
+        let TileWork { variant, gain_rows, timings, shadow_updates, shares, seen, dims, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let points = timing.gain_points();
         let plan = &self.plans[pair];
@@ -537,8 +540,7 @@ impl PathGenerator {
             // Where the next update adds nothing it may not be there.
             let next = (before + 1).min(shadow_updates.len().saturating_sub(1));
             for antenna in antennas.into_iter().filter(|antenna| *antenna < ends) {
-                let shadowed = |update: usize| !shadow_updates[update].weights[antenna].is_empty();
-                if shadowed(before) || shadowed(next) {
+                if [before, next].iter().any(|update| dims[update * ends + antenna]) {
                     let of = |update: usize| &seen[update * ends + antenna];
                     variant.run(Shadowed { count, from: of(before), to: of(next), share, out });
                 }

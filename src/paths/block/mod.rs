@@ -32,6 +32,7 @@ mod gain;
 mod instants;
 mod illuminate;
 mod epoch;
+mod panels;
 mod phasors;
 pub mod runs;
 pub mod probe;
@@ -58,11 +59,11 @@ use crate::sea::facet_surface::FacetSurface;
 use crate::sea::surface::{Fields, Selection};
 
 use epoch::View;
-pub(super) use gain::is_real;
 pub use instants::{
     EPOCH_POINTS, EPOCHS, EPOCHS_PER_NODE, GAIN_POINTS, Instants, NODES, SIDELOBE_NODES, Sidelobe, Tier,
     Tiers, epochs_about, gain_instants, gain_step, gain_weights, nodes_within, sidelobe_gain_pulses,
 };
+pub use panels::PanelWork;
 use phasors::Phasors;
 use runs::{Cut, Run};
 use shadows::{Heights, Maker, ShadowWeights};
@@ -144,8 +145,9 @@ pub struct TileWork {
     areas: Vec<Row>,
     /// `[pair][instant]`.
     gain_rows: Vec<Vec<Row>>,
-    /// `[update][antenna]`.
+    /// `[update][antenna]`, and whether any facet of the tile may be hidden.
     seen: Vec<Row>,
+    dims: Vec<bool>,
     tile: Tile,
 }
 
@@ -323,6 +325,7 @@ impl SeaPlan {
             areas: vec![[0.0; LANES]; if self.choppy.is_some() { NODES } else { 0 }],
             gain_rows: vec![Vec::new(); channels.len()],
             seen: Vec::new(),
+            dims: Vec::new(),
             tile: Tile {
                 count: 0,
                 tier: Tier::Mainlobe,

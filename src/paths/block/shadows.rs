@@ -4,13 +4,14 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use super::instants::Instants;
+use super::runs::Run;
 use super::timing::GainInstant;
 use super::{NodeWork, TileWork};
 use crate::frames::{Enu, Point};
 use crate::geometry::shadow::Shadow;
 use crate::paths::PathGenerator;
 use crate::paths::sea::{SeaFailure, SeaPlan};
-use crate::paths::visibility::{Borders, MOST_ENDS, ShareBorders, Update, Updates};
+use crate::paths::visibility::{Area, Borders, MOST_ENDS, ShareBorders, Update, Updates};
 use crate::radar::fault::SeaFault;
 use crate::radar::window::Window;
 use crate::scene::Patch;
@@ -25,6 +26,8 @@ const FEW_FACETS: usize = 1 << 14;
 pub(super) struct ShadowWeights {
     /// `[antenna]`; empty where all is illuminated.
     pub weights: Vec<Vec<f32>>,
+    /// `[antenna]`: outside of it they are one; `None` where nothing is known of them.
+    pub dimmed: Vec<Option<Area>>,
 }
 
 /// What makes updates of the shadows.
@@ -67,12 +70,20 @@ impl Maker {
 
 impl ShadowWeights {
     fn take_from<T: Real>(&mut self, update: &Update<T>, patch: &Patch) {
-        for (antenna, weights) in self.weights.iter_mut().enumerate() {
-            weights.clear();
-            if !update.sees_all(antenna) {
-                update.weights_over(antenna, patch, weights);
+        for (antenna, (weights, dimmed)) in self.weights.iter_mut().zip(&mut self.dimmed).enumerate() {
+            if update.sees_all(antenna) {
+                weights.clear();
+                *dimmed = None;
+            } else {
+                update.copy_over(antenna, patch, (weights, dimmed));
             }
         }
+    }
+
+    /// Whether facets of some runs may be hidden from an antenna.
+    pub fn dims(&self, antenna: usize, runs: &[Run], width: usize) -> bool {
+        let touches = |area: &Area| runs.iter().any(|run| area.touches(run.first, run.count, width));
+        !self.weights[antenna].is_empty() && self.dimmed[antenna].as_ref().is_none_or(touches)
     }
 }
 
@@ -133,9 +144,11 @@ impl TileWork {
         self.shadow_updates.reserve(most.saturating_sub(self.shadow_updates.len()));
         self.spare.reserve(most.saturating_sub(self.spare.len()));
         self.seen.reserve((most * ends).saturating_sub(self.seen.len()));
+        self.dims.reserve((most * ends).saturating_sub(self.dims.len()));
         while self.shadow_updates.len() + self.spare.len() < most {
             let room = || Vec::with_capacity(patch.len());
-            self.spare.push(ShadowWeights { weights: std::iter::repeat_with(room).take(ends).collect() });
+            let weights = std::iter::repeat_with(room).take(ends).collect();
+            self.spare.push(ShadowWeights { weights, dimmed: vec![None; ends] });
         }
         while self.shadow_updates.len() < updates {
             self.shadow_updates.push(self.spare.pop().unwrap_or_default());
@@ -161,6 +174,7 @@ impl TileWork {
         let scenery = |elapsed_s: f64, places: &mut [Point<Enu>]| sea.scenery(&reception, elapsed_s, places);
         for (update_weights, number) in shadow_updates.iter_mut().zip(span.clone()) {
             update_weights.weights.resize_with(visibility.ends, Vec::new);
+            update_weights.dimmed.resize(visibility.ends, None);
             match maker {
                 Maker::Few(updates) => {
                     update_weights.take_from(visibility.update(updates, number, scenery, lower)?, patch);

@@ -29,6 +29,13 @@ pub(super) struct Element {
     second: Option<(u32, DVec3, DVec3)>,
 }
 
+impl Element {
+    /// Whether the wave bounces twice.
+    pub fn is_double(&self) -> bool {
+        self.second.is_some()
+    }
+}
+
 /// A ship.
 #[derive(Debug)]
 pub(super) struct Body {
@@ -127,6 +134,17 @@ impl Body {
         }
     }
 
+    /// The panel of an element, one of the plane that its wave meets last, where it goes on from there, and where the
+    /// way to it ends.
+    pub fn parts(&self, element: &Element) -> (&Panel, &Panel, DVec3, DVec3) {
+        let panel = &self.panels[element.panel as usize];
+        element
+            .second
+            .map_or((panel, panel, panel.centroid_m(), panel.centroid_m()), |(second, at_m, image_m)| {
+                (panel, &self.panels[second as usize], at_m, image_m)
+            })
+    }
+
     /// The path of an element between two antennas, where it meets the ship and leaves it, and its matrix.
     pub fn path(
         &self,
@@ -135,12 +153,7 @@ impl Body {
         [tx, rx]: [&PhaseCentre; 2],
         wave_number_rad_m: f64,
     ) -> (Path, [Point<Enu>; 2], Option<Matrix>) {
-        let panel = &self.panels[element.panel as usize];
-        let (last, at_m, image_m) = element
-            .second
-            .map_or((panel, panel.centroid_m(), panel.centroid_m()), |(second, at_m, image_m)| {
-                (&self.panels[second as usize], at_m, image_m)
-            });
+        let (panel, last, at_m, image_m) = self.parts(element);
         let (image, scatterer) = (moving(pose, image_m), moving(pose, at_m));
         let ends = [moving(pose, panel.centroid_m()).position, scatterer.position];
         let turned = |antenna: &PhaseCentre, at: Point<Enu>, of: &Panel| {

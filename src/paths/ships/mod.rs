@@ -18,6 +18,8 @@
 mod body;
 mod bounces;
 mod hulls;
+mod lanes;
+pub(super) mod mesh;
 mod motion;
 mod pose;
 mod shade;
@@ -31,7 +33,9 @@ use num_complex::Complex64;
 use body::Body;
 
 pub(super) use hulls::Hulls;
+use lanes::{Batch, WIDTH};
 pub(super) use motion::Seas;
+use pose::Pose;
 use sight::{Knots, Seen};
 
 use crate::frames::{Enu, Point, SceneFrame};
@@ -145,6 +149,56 @@ impl Ships {
                 number += 1;
             }
         }
+    }
+
+    /// Hands over some elements, whose numbers ascend, side by side, with the ship that they are of: as many as a
+    /// batch has room for, and their numbers.
+    pub fn batches(
+        &self,
+        frame: &SceneFrame,
+        elapsed_s: f64,
+        elements: &[u32],
+        batch: &mut Batch,
+        mut each: impl FnMut(&mut Batch, &Pose, &[u32]),
+    ) {
+        let (mut rest, mut first) = (elements, 0);
+        for body in self.bodies.iter() {
+            let after = first + body.elements().len();
+            let (own, later) = rest.split_at(rest.partition_point(|n| (*n as usize) < after));
+            if !own.is_empty() {
+                let pose = body.sailing().pose(frame, elapsed_s);
+                for part in own.chunks(WIDTH) {
+                    batch.take(body, part.iter().map(|n| body.elements()[*n as usize - first]));
+                    each(batch, &pose, part);
+                }
+            }
+            (rest, first) = (later, after);
+        }
+    }
+
+    /// The knot of what is seen before a time after pulse 0, and how far it is from there to the next.
+    pub fn knot_before(elapsed_s: f64) -> (i64, f64) {
+        Knots::before(elapsed_s)
+    }
+
+    /// Appends what both antennas of every pair see at a knot: bits, `[pair][element]`, words of 64 elements.
+    ///
+    /// # Errors
+    /// Those of `centre`.
+    pub fn seen_at<E>(
+        &self,
+        place: (&SceneFrame, Option<&Hills>),
+        knot: i64,
+        pairs: &[[usize; 2]],
+        centre: impl Fn(usize, f64) -> Result<PhaseCentre, E>,
+        out: &mut Vec<u64>,
+    ) -> Result<(), E> {
+        self.knots.at(knot, &self.bodies, place, centre, |seen| {
+            for [tx, rx] in pairs {
+                let (tx, rx) = (seen.words(*tx), seen.words(*rx));
+                out.extend(tx.iter().zip(rx).map(|(tx, rx)| tx & rx));
+            }
+        })
     }
 
     /// Appends the share of the field of every element and pair that passes what hides it, land too,

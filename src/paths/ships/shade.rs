@@ -46,6 +46,6 @@ impl Shade {
     pub fn between(&self, from_m: DVec3, to_m: DVec3) -> bool {
         let way = to_m - from_m;
         let far_m = way.length();
-        self.triangles.first(from_m, way / far_m, None).is_some_and(|(_, met_m)| met_m < far_m)
+        self.triangles.meets_within(from_m, way / far_m, far_m, None)
     }
 }

@@ -33,6 +33,11 @@ impl Seen {
         Self { words, bits: vec![0; words * antennas].into(), places_m, from_m }
     }
 
+    /// Bits of the elements that an antenna sees.
+    pub fn words(&self, antenna: usize) -> &[u64] {
+        self.bits.get(antenna * self.words..(antenna + 1) * self.words).unwrap_or_default()
+    }
+
     /// Whether an antenna sees an element.
     pub fn has(&self, antenna: usize, element: usize) -> bool {
         self.bits.get(antenna * self.words + element / 64).is_some_and(|word| word >> (element % 64) & 1 == 1)

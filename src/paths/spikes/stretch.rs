@@ -19,12 +19,13 @@ use num_complex::Complex64;
 use super::{Moves, between};
 use crate::frames::Earth;
 use crate::geometry::light_time::{LightTime, Path, bistatic};
-use crate::paths::block::{NODES, TileWork, is_real};
+use crate::paths::block::{NODES, TileWork};
 use crate::paths::breaking::{BreakingPlan, Riding};
 use crate::paths::emission::Emission;
 use crate::paths::list::ScattererPaths;
 use crate::paths::sea::SeaPlan;
 use crate::paths::{PairPlan, PathGenerator, Workspace};
+use crate::radar::antenna::Antenna;
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
 use crate::scene::Patch;
@@ -114,7 +115,7 @@ impl PathGenerator {
         else {
             return Ok(true);
         };
-        if !self.antennas.iter().all(is_real) {
+        if !self.antennas.iter().all(Antenna::is_real) {
             return Ok(false);
         }
         let Workspace { stretch: Buffers { emissions, elapsed_s }, amplitude, .. } = workspace;
