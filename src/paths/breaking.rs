@@ -20,7 +20,7 @@ use crate::sea::surface::{Evaluator, Fields, Grid, Selection, Surface, SurfaceEr
 const KEPT: std::ops::RangeInclusive<usize> = 6..=24;
 const MOST_KEPT: f64 = 4e6;
 const SURFACES: usize = 4;
-/// Breakers of a region for which there is room beforehand.
+/// Breakers for which there is room beforehand, at most.
 const ROOM: f64 = 65_536.0;
 /// Side of the squares in which a patch that follows may begin without another region: its own over this, and
 /// at least so many metres.
@@ -89,8 +89,7 @@ impl BreakingPlan {
         let of_slot = law.births_per_m2_s() * SLOT_S * region(patch, sides, [0; 2]).len() as f64;
         let of_slot = of_slot * patch.facet_m * patch.facet_m;
         let kept = (MOST_KEPT / of_slot) as usize;
-        // Twice the mean: how many break depends on the longest waves.
-        let room = (2.0 * of_slot + 64.0).min(ROOM) as usize;
+        let room = room(of_slot);
         Ok(Self {
             law,
             patch_m2,
@@ -114,6 +113,11 @@ impl BreakingPlan {
     /// Breakers that are alive at a time, mean.
     pub fn alive(&self) -> f64 {
         self.law.alive_per_m2() * self.patch_m2
+    }
+
+    /// Breakers for which there is room beforehand: those that are alive at any instant of so many seconds.
+    pub fn room(&self, lasts_s: f64) -> usize {
+        room(self.alive() + self.law.births_per_m2_s() * self.patch_m2 * lasts_s)
     }
 
     /// What breaks in a slot on a region.
@@ -168,6 +172,11 @@ impl BreakingPlan {
         }
         Ok(())
     }
+}
+
+/// Twice the mean: how many break depends on the longest waves.
+fn room(mean: f64) -> usize {
+    (2.0 * mean + 64.0).min(ROOM) as usize
 }
 
 /// All that patches hold which begin in a square.

@@ -297,6 +297,11 @@ impl PathGenerator {
         self.rain.as_ref().map_or(0.0, |rain| rain.drops)
     }
 
+    /// Points of a pulse for which there is room beforehand: twice the mean, as long as that is few.
+    pub fn rain_room(&self) -> usize {
+        (2.0 * self.drops()).min(4.0 * MOST as f64) as usize
+    }
+
     /// Points that stand for rain in a resolution cell: fewer than are wanted where there would be too many.
     pub fn drops_per_cell(&self) -> f64 {
         self.rain.as_ref().map_or(0.0, |rain| rain.drops_per_cell)

@@ -149,13 +149,16 @@ impl BlockEcho {
 
     pub fn work(&self, generator: &PathGenerator, pairs: usize, channels: usize, paths: usize) -> BlockWork {
         let variant = self.synth.settings().variant.unwrap_or_else(Variant::fastest);
+        let length = self.block_pulses() as usize;
+        let breakers = generator.breakers_room(length);
+        let at_once = breakers.max(generator.rain_room());
         BlockWork {
             held: None,
             tiers: Tiers::default(),
-            nodes: std::array::from_fn(|_| ScattererPaths::new(pairs, channels, paths)),
-            windows_s: Vec::with_capacity(self.block_pulses() as usize),
+            nodes: std::array::from_fn(|_| ScattererPaths::new(pairs, channels, paths.max(at_once))),
+            windows_s: Vec::with_capacity(length),
             frame: Frame::default(),
-            part: self.synth.block(),
+            part: self.synth.block_with_room(at_once, breakers * length),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
             tiles: generator.tile_work(variant, Some(self.borders.clone())),
@@ -163,7 +166,7 @@ impl BlockEcho {
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
             variations: Vec::with_capacity(generator.target_count() * pairs),
-            factors: Vec::new(),
+            factors: Vec::with_capacity(breakers * pairs * length),
             panels: generator.panel_work(variant, self.pulses_of_panels()),
             bands: self.band_hz().map(|_| self.synth.bands()),
             spread: 0,

@@ -9,7 +9,7 @@ mod code;
 mod modules;
 mod pages;
 
-const LONGEST_FILE: usize = 650;
+const LONGEST_FILE: usize = 600;
 const LONGEST_MAIN: usize = 30;
 
 fn root() -> PathBuf {

@@ -217,7 +217,19 @@ impl Through {
 impl<T: Scalar> Synth<T> {
     /// An empty block.
     pub fn block(&self) -> BlockPaths<T> {
-        BlockPaths::new(self.pairs, self.layers.len())
+        self.block_with_room(0, 0)
+    }
+
+    /// An empty block, with room for so many scatterer paths and so many numbers that multiply those of a pair.
+    pub fn block_with_room(&self, paths: usize, factors: usize) -> BlockPaths<T> {
+        let mut block = BlockPaths::new(self.pairs, self.layers.len());
+        block.polynomials.iter_mut().for_each(|of_pair| of_pair.reserve(paths));
+        block.factors.iter_mut().for_each(|of_pair| of_pair.reserve(factors));
+        for (layer, held) in self.layers.iter().zip(&mut block.amplitude) {
+            held.resize_with(MAX_NODES, Lined::default);
+            held.iter_mut().for_each(|amplitude| amplitude.reset(paths * layer.lanes));
+        }
+        block
     }
 
     /// Fills a block of as many pulses as there are windows (`windows_s[m]`: first sample of pulse `m` after

@@ -31,6 +31,15 @@ pub(super) struct DelayPolynomials<T: Scalar> {
     pub place: [Vec<T>; 4],
 }
 
+impl<T: Scalar> DelayPolynomials<T> {
+    pub fn reserve(&mut self, paths: usize) {
+        self.phase.iter_mut().for_each(|column| column.reserve(paths));
+        self.phase_cubic.reserve(paths);
+        self.base.reserve(paths);
+        self.place.iter_mut().for_each(|column| column.reserve(paths));
+    }
+}
+
 /// One layer of one share to be filled.
 pub(super) struct Job<'a, T: Scalar> {
     pub polynomials: &'a DelayPolynomials<T>,

@@ -74,6 +74,12 @@ impl PathGenerator {
         self.sea.as_ref().and_then(|sea| sea.breaking.as_ref()).map_or(0.0, BreakingPlan::alive)
     }
 
+    /// Breaking waves for which there is room beforehand in a stretch of so many pulses.
+    pub fn breakers_room(&self, pulses: usize) -> usize {
+        let lasts_s = self.radar.emissions.interval_s(0, pulses as u64);
+        self.sea.as_ref().and_then(|sea| sea.breaking.as_ref()).map_or(0, |of| of.room(lasts_s))
+    }
+
     /// Appends the breaking waves that an emission illuminates and its window receives; `weight` is the
     /// visibility of a facet from an antenna.
     pub(super) fn append_breakers(
