@@ -297,9 +297,9 @@ impl PathGenerator {
         self.rain.as_ref().map_or(0.0, |rain| rain.drops)
     }
 
-    /// Points of a pulse for which there is room beforehand: twice the mean, as long as that is few.
+    /// Points of a pulse for which there is room beforehand: as many as there are unless a beam turns into the rain.
     pub fn rain_room(&self) -> usize {
-        (2.0 * self.drops()).min(4.0 * MOST as f64) as usize
+        if self.rains() { MOST } else { 0 }
     }
 
     /// Points that stand for rain in a resolution cell: fewer than are wanted where there would be too many.
