@@ -52,34 +52,36 @@ impl Dispersion {
     }
 
     /// Wave numbers, rad/m, become their angular frequencies, rad/s: those of
-    /// [`angular_frequency_rad_s`](Self::angular_frequency_rad_s), side by side.
+    /// [`angular_frequency_rad_s`](Self::angular_frequency_rad_s), side by side in single precision.
     #[inline(always)]
-    pub fn angular_frequencies_rad_s<const N: usize>(&self, k_rad_m: &mut [f64; N]) {
+    pub fn angular_frequencies_rad_s<const N: usize>(&self, k_rad_m: &mut [f32; N]) {
         let mut bottom = [1.0; N];
         if let Some(depth_m) = self.depth_m {
             for i in 0..N {
-                bottom[i] = (k_rad_m[i] * depth_m).tanh();
+                bottom[i] = (f64::from(k_rad_m[i]) * depth_m).tanh() as f32;
             }
         }
+        let (gravity, peak) = (GRAVITY_MPS2 as f32, CAPILLARY_PEAK_RAD_M.recip() as f32);
         for i in 0..N {
-            let share = k_rad_m[i] / CAPILLARY_PEAK_RAD_M;
+            let share = k_rad_m[i] * peak;
             let tension = if self.capillary { 1.0 + share * share } else { 1.0 };
-            k_rad_m[i] = (GRAVITY_MPS2 * k_rad_m[i] * tension * bottom[i]).sqrt();
+            k_rad_m[i] = (gravity * k_rad_m[i] * tension * bottom[i]).sqrt();
         }
     }
 
     /// Wave numbers above 0, rad/m, become group speeds, m/s, given their angular frequencies: those of
-    /// [`group_speed_mps`](Self::group_speed_mps), side by side.
+    /// [`group_speed_mps`](Self::group_speed_mps), side by side in single precision.
     #[inline(always)]
-    pub fn group_speeds_mps<const N: usize>(&self, omega_rad_s: &[f64; N], k_rad_m: &mut [f64; N]) {
+    pub fn group_speeds_mps<const N: usize>(&self, omega_rad_s: &[f32; N], k_rad_m: &mut [f32; N]) {
         let mut bottom = [0.0; N];
         if self.depth_m.is_some() {
             for i in 0..N {
-                bottom[i] = self.bottom(k_rad_m[i]);
+                bottom[i] = self.bottom(f64::from(k_rad_m[i])) as f32;
             }
         }
+        let peak = CAPILLARY_PEAK_RAD_M.recip() as f32;
         for i in 0..N {
-            let share = k_rad_m[i] / CAPILLARY_PEAK_RAD_M;
+            let share = k_rad_m[i] * peak;
             let q = share * share;
             let tension = if self.capillary { 2.0 * q / (1.0 + q) } else { 0.0 };
             k_rad_m[i] = 0.5 * (omega_rad_s[i] / k_rad_m[i]) * (1.0 + tension + bottom[i]);

@@ -149,7 +149,7 @@ impl Task for TurnGroup<'_> {
             for ((look, scattered), incident) in looks.iter_mut().zip(&paths.scattered).zip(&paths.incident) {
                 let (scattered, incident) = (of_group(scattered, from), of_group(incident, from));
                 for i in 0..GROUP {
-                    look[i] = f64::from(scattered[i]) - f64::from(incident[i]);
+                    look[i] = scattered[i] - incident[i];
                 }
             }
         }

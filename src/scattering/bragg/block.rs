@@ -101,7 +101,7 @@ struct Bell {
 impl Bell {
     #[inline(always)]
     fn between(start: &End, stop: &End, pulses: usize) -> Self {
-        let share = 1.0 / (pulses.max(2) - 1) as f64;
+        let share = 1.0 / (pulses.max(2) - 1) as f32;
         let mut bell = Self {
             moved: [0.0; GROUP],
             inverse: [0.0; GROUP],
@@ -110,11 +110,11 @@ impl Bell {
             raised: [0.0; GROUP],
         };
         for i in 0..GROUP {
-            bell.moved[i] = ((stop.centre_radps[i] - start.centre_radps[i]) * share) as f32;
-            bell.inverse[i] = start.inverse[i] as f32;
-            bell.narrowed[i] = ((stop.inverse[i] - start.inverse[i]) * share) as f32;
-            bell.height[i] = start.height[i] as f32;
-            bell.raised[i] = ((stop.height[i] - start.height[i]) * share) as f32;
+            bell.moved[i] = (stop.centre_radps[i] - start.centre_radps[i]) * share;
+            bell.inverse[i] = start.inverse[i];
+            bell.narrowed[i] = (stop.inverse[i] - start.inverse[i]) * share;
+            bell.height[i] = start.height[i];
+            bell.raised[i] = (stop.height[i] - start.height[i]) * share;
         }
         bell
     }
@@ -149,7 +149,7 @@ impl Task for Sum<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { comb, facets, number, ends: [start, stop], times, out } = self;
-        let per_cell = 1.0 / comb.step_radps();
+        let per_cell = 1.0 / comb.step_radps() as f32;
         let (mut first, mut cells) = ([0i32; GROUP], 0);
         for i in 0..GROUP {
             let ([a, b], [c, d]) = (start.span(i), stop.span(i));
@@ -166,7 +166,7 @@ impl Task for Sum<'_> {
         for cell in 0..cells {
             for i in 0..GROUP {
                 let (omega_radps, phase) = comb.component(facets[i], number, first[i].wrapping_add(cell));
-                from[i] = (omega_radps - start.centre_radps[i]) as f32;
+                from[i] = (omega_radps - f64::from(start.centre_radps[i])) as f32;
                 (at[i], next[i]) = (omega_radps * to_start + phase, omega_radps * to_next);
                 step[i] = (next[i] - next[i].floor()) as f32;
             }
@@ -250,6 +250,7 @@ mod tests {
                     for n in 0..keys.len() {
                         let [incident, scattered] = sight(n, at);
                         let look = scattered - incident;
+                        let look = look.as_vec3();
                         (looks[0][n], looks[1][n], looks[2][n]) = (look.x, look.y, look.z);
                     }
                 }

@@ -60,13 +60,16 @@ impl Comb {
     /// What a component in the middle of a line has.
     #[inline]
     pub fn height(&self, line: Line) -> f64 {
-        self.height_of(line.amplitude, self.end_radps(line.deviation_radps))
+        line.amplitude * (HEIGHT * self.step_radps / self.end_radps(line.deviation_radps)).sqrt()
     }
 
-    /// The same, given the root of a line's share and where it ends.
+    /// Inverse of the end of a line of a deviation, s/rad, and what a component in its middle has over the root of
+    /// its share.
     #[inline(always)]
-    pub fn height_of(&self, amplitude: f64, end_radps: f64) -> f64 {
-        amplitude * (HEIGHT * self.step_radps / end_radps).sqrt()
+    pub fn bell(&self, deviation_radps: f32) -> [f32; 2] {
+        let step_radps = self.step_radps as f32;
+        let inverse = 1.0 / (END as f32 * deviation_radps.max(LEAST_CELLS as f32 * step_radps));
+        [inverse, (HEIGHT as f32 * step_radps * inverse).sqrt()]
     }
 
     /// Angular frequency, rad/s, and phase at the start, turns, of the component of a cell: `facet` is the

@@ -1,4 +1,4 @@
-//! The lines of sixteen facets side by side: the same numbers as [`BraggLines::lines`], to the bit.
+//! The lines of sixteen facets side by side: the numbers of [`BraggLines::lines`] in single precision.
 
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
@@ -9,15 +9,15 @@ use super::{BraggLines, Mechanism};
 pub const GROUP: usize = 16;
 
 /// Directions to the receiver less those from the transmitter, `[axis][facet]`.
-pub type Looks = [[f64; GROUP]; 3];
+pub type Looks = [[f32; GROUP]; 3];
 
 /// A line of the facets of a group at an end of the block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct End {
-    pub centre_radps: [f64; GROUP],
+    pub centre_radps: [f32; GROUP],
     /// 1 over where it ends to either side of its middle, s/rad.
-    pub inverse: [f64; GROUP],
-    pub height: [f64; GROUP],
+    pub inverse: [f32; GROUP],
+    pub height: [f32; GROUP],
 }
 
 impl End {
@@ -26,7 +26,7 @@ impl End {
 
     /// Largest height.
     #[inline(always)]
-    pub fn highest(&self) -> f64 {
+    pub fn highest(&self) -> f32 {
         let mut most = 0.0;
         for i in 0..GROUP {
             most = if self.height[i] > most { self.height[i] } else { most };
@@ -36,7 +36,7 @@ impl End {
 
     /// From where to where it has components, rad/s.
     #[inline(always)]
-    pub fn span(&self, i: usize) -> [f64; 2] {
+    pub fn span(&self, i: usize) -> [f32; 2] {
         let end = 1.0 / self.inverse[i];
         [self.centre_radps[i] - end, self.centre_radps[i] + end]
     }
@@ -46,7 +46,8 @@ impl BraggLines {
     /// Both lines of a mechanism of `count` facets.
     #[inline(always)]
     pub(super) fn of_group(&self, mechanism: Mechanism, looks: &Looks, count: usize, lines: &mut [End; 2]) {
-        let k = self.wavenumber_radpm;
+        let k = self.wavenumber_radpm as f32;
+        let drift_mps = self.drift_mps.as_vec3();
         let mut q = [[0.0; GROUP]; 3];
         for (q, look) in q.iter_mut().zip(looks) {
             for i in 0..GROUP {
@@ -55,12 +56,11 @@ impl BraggLines {
         }
         let mut carried_radps = [0.0; GROUP];
         for i in 0..GROUP {
-            carried_radps[i] =
-                q[0][i] * self.drift_mps.x + q[1][i] * self.drift_mps.y + q[2][i] * self.drift_mps.z;
+            carried_radps[i] = q[0][i] * drift_mps.x + q[1][i] * drift_mps.y + q[2][i] * drift_mps.z;
         }
         let (mut omega_radps, mut roots) = ([0.0; GROUP], [[1.0; GROUP], [0.0; GROUP]]);
         let deviation_radps = match mechanism {
-            Mechanism::Specular => self.widths(&q, &[self.specular_to_radpm; GROUP], &[0.0; GROUP]),
+            Mechanism::Specular => self.widths(&q, &[self.specular_to_radpm as f32; GROUP], &[0.0; GROUP]),
             Mechanism::Bragg => {
                 let mut magnitude = [0.0; GROUP];
                 for i in 0..GROUP {
@@ -68,7 +68,8 @@ impl BraggLines {
                 }
                 omega_radps = magnitude;
                 self.dispersion.angular_frequencies_rad_s(&mut omega_radps);
-                self.share.roots_of_group(&q, self.downwind, &magnitude, &mut roots);
+                let downwind = [self.downwind[0] as f32, self.downwind[1] as f32];
+                self.share.roots_of_group(&q, downwind, &magnitude, &mut roots);
                 let mut of_tilts = [0.0; GROUP];
                 if self.deviation_radps.is_none() {
                     self.widening(&q, &magnitude, &omega_radps, &mut of_tilts);
@@ -76,15 +77,15 @@ impl BraggLines {
                 self.widths(&q, &magnitude, &of_tilts)
             }
         };
-        let mut end_radps = [0.0; GROUP];
+        let (mut inverse, mut height) = ([0.0; GROUP], [0.0; GROUP]);
         for i in 0..GROUP {
-            end_radps[i] = self.comb.end_radps(deviation_radps[i]);
+            [inverse[i], height[i]] = self.comb.bell(deviation_radps[i]);
         }
         for ((line, roots), sign) in lines.iter_mut().zip(&roots).zip([1.0, -1.0]) {
             for i in 0..GROUP {
                 line.centre_radps[i] = sign * omega_radps[i] + carried_radps[i];
-                line.inverse[i] = 1.0 / end_radps[i];
-                line.height[i] = self.comb.height_of(roots[i], end_radps[i]);
+                line.inverse[i] = inverse[i];
+                line.height[i] = roots[i] * height[i];
             }
             // Lanes that are not in use are as the first: they ask for no cells of their own.
             for i in count..GROUP {
@@ -99,11 +100,15 @@ impl BraggLines {
     fn widening(
         &self,
         [x, y, z]: &Looks,
-        magnitude: &[f64; GROUP],
-        omega_radps: &[f64; GROUP],
-        out: &mut [f64; GROUP],
+        magnitude: &[f32; GROUP],
+        omega_radps: &[f32; GROUP],
+        out: &mut [f32; GROUP],
     ) {
-        let [xx, xy, yy] = self.tilts;
+        let mut tilts = [0.0; 3];
+        for i in 0..3 {
+            tilts[i] = self.tilts[i] as f32;
+        }
+        let [xx, xy, yy] = tilts;
         let mut group_mps = *magnitude;
         self.dispersion.group_speeds_mps(omega_radps, &mut group_mps);
         for i in 0..GROUP {
@@ -116,9 +121,9 @@ impl BraggLines {
 
     /// Rms deviations, rad/s, of the waves up to a wave number, and what else adds to their squares.
     #[inline(always)]
-    fn widths(&self, q: &Looks, to_radpm: &[f64; GROUP], more: &[f64; GROUP]) -> [f64; GROUP] {
+    fn widths(&self, q: &Looks, to_radpm: &[f32; GROUP], more: &[f32; GROUP]) -> [f32; GROUP] {
         if let Some(own) = self.deviation_radps {
-            return [own; GROUP];
+            return [own as f32; GROUP];
         }
         let mut out = [0.0; GROUP];
         self.velocities.mean_squares(q, to_radpm, &mut out);
@@ -131,8 +136,9 @@ impl BraggLines {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use glam::{DVec3, Vec3};
 
+    use super::super::comb::Line;
     use super::super::tests::lines;
     use super::*;
 
@@ -153,20 +159,27 @@ mod tests {
                 let mut looks = [[0.0; GROUP]; 3];
                 for n in 0..13 {
                     let at = if n == 12 { DVec3::new(0.0, 0.0, 2.0) } else { look(n) };
+                    let at = at.as_vec3();
                     (looks[0][n], looks[1][n], looks[2][n]) = (at.x, at.y, at.z);
                 }
                 for mechanism in [Mechanism::Specular, Mechanism::Bragg] {
                     let mut ends = [End::NONE; 2];
                     lines.of_group(mechanism, &looks, 13, &mut ends);
                     for n in 0..13 {
-                        let look = DVec3::new(looks[0][n], looks[1][n], looks[2][n]);
+                        let look = Vec3::new(looks[0][n], looks[1][n], looks[2][n]).as_dvec3();
                         let expected = lines.lines(mechanism, DVec3::ZERO, look);
                         for (end, line) in ends.iter().zip(expected) {
-                            assert_eq!(end.height[n], lines.comb.height(line), "{n}");
+                            let near = |own: f32, other: f64, of: f64| {
+                                let off = (f64::from(own) - other).abs();
+                                assert!(off < 3e-5 * of, "{n}: {own} {other}");
+                            };
+                            let end_radps = lines.comb.end_radps(line.deviation_radps);
+                            let most = lines.comb.height(Line { amplitude: 1.0, ..line });
+                            near(end.height[n], lines.comb.height(line), most);
                             // Specular points have one line; the other has no height.
                             if line.amplitude != 0.0 {
-                                assert_eq!(end.centre_radps[n], line.centre_radps, "{n}");
-                                assert_eq!(end.inverse[n], 1.0 / lines.comb.end_radps(line.deviation_radps));
+                                near(end.centre_radps[n], line.centre_radps, end_radps);
+                                near(end.inverse[n] * end_radps as f32, 1.0, 1.0);
                             }
                         }
                     }

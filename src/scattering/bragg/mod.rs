@@ -201,6 +201,12 @@ fn octaves(x: f64) -> f64 {
     x.to_bits() as f64 * (1.0 / (1u64 << 52) as f64) - 1023.0
 }
 
+/// The same in single precision.
+#[inline(always)]
+fn octaves_f32(x: f32) -> f32 {
+    (x.to_bits().cast_signed() - 1.0f32.to_bits().cast_signed()) as f32 * (1.0 / (1u32 << 23) as f32)
+}
+
 /// The number of some octaves.
 fn of_octaves(octaves: f64) -> f64 {
     octaves.floor().exp2() * (1.0 + octaves - octaves.floor())

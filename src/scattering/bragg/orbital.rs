@@ -12,7 +12,7 @@
 use glam::DVec3;
 
 use super::group::{GROUP, Looks};
-use super::{octaves, of_octaves};
+use super::{octaves, octaves_f32, of_octaves};
 use crate::scene::water::Dispersion;
 use crate::sea::spectrum::{Spectrum, WaveVector};
 
@@ -32,6 +32,8 @@ pub struct SubFacetVelocities {
     octaves_from: f64,
     steps_per_octave: f64,
     sums: Vec<Tensor>,
+    /// The same in single precision.
+    sums_f32: Vec<[f32; 4]>,
 }
 
 impl SubFacetVelocities {
@@ -40,7 +42,12 @@ impl SubFacetVelocities {
         let octaves_from = octaves(resolved_radpm.max(f64::MIN_POSITIVE));
         let span = octaves(to_radpm) - octaves_from;
         if !(span > 0.0 && span.is_finite()) {
-            return Self { octaves_from, steps_per_octave: 0.0, sums: vec![[0.0; 4]] };
+            return Self {
+                octaves_from,
+                steps_per_octave: 0.0,
+                sums: vec![[0.0; 4]],
+                sums_f32: vec![[0.0; 4]],
+            };
         }
         let steps = ((span * STEPS_PER_OCTAVE).ceil() as usize).clamp(1, MOST_STEPS);
         let steps_per_octave = steps as f64 / span;
@@ -58,7 +65,8 @@ impl SubFacetVelocities {
             sums.push(sum);
             before = next;
         }
-        Self { octaves_from, steps_per_octave, sums }
+        let sums_f32 = sums.iter().map(|sum| sum.map(|part| part as f32)).collect();
+        Self { octaves_from, steps_per_octave, sums, sums_f32 }
     }
 
     /// Sums up to a wave number.
@@ -83,10 +91,23 @@ impl SubFacetVelocities {
 
     /// The same of a group of facets.
     #[inline(always)]
-    pub(super) fn mean_squares(&self, [x, y, z]: &Looks, to_radpm: &[f64; GROUP], out: &mut [f64; GROUP]) {
+    pub(super) fn mean_squares(&self, [x, y, z]: &Looks, to_radpm: &[f32; GROUP], out: &mut [f32; GROUP]) {
+        let last = self.sums_f32.len() - 1;
+        let (octaves_from, steps_per_octave) = (self.octaves_from as f32, self.steps_per_octave as f32);
+        let mut places = [0.0; GROUP];
+        for i in 0..GROUP {
+            let place = (octaves_f32(to_radpm[i]) - octaves_from) * steps_per_octave;
+            places[i] = if place > 0.0 { place.min(last as f32) } else { 0.0 };
+        }
         let [mut xx, mut xy, mut yy, mut zz] = [[0.0; GROUP]; 4];
         for i in 0..GROUP {
-            [xx[i], xy[i], yy[i], zz[i]] = self.tensor(to_radpm[i]);
+            let step = (places[i] as usize).min(last.saturating_sub(1));
+            let share = places[i] - step as f32;
+            let (low, high) = (&self.sums_f32[step], &self.sums_f32[(step + 1).min(last)]);
+            xx[i] = low[0] + share * (high[0] - low[0]);
+            xy[i] = low[1] + share * (high[1] - low[1]);
+            yy[i] = low[2] + share * (high[2] - low[2]);
+            zz[i] = low[3] + share * (high[3] - low[3]);
         }
         for i in 0..GROUP {
             let sum =

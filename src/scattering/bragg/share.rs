@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use super::group::{GROUP, Looks};
-use super::{octaves, of_octaves};
+use super::{octaves, octaves_f32, of_octaves};
 use crate::sea::spectrum::{Spectrum, WaveVector};
 
 /// Half the azimuths that are averaged, rad: 5 degrees rms.
@@ -82,7 +82,9 @@ impl DirectionShare {
         let last = self.rows.len() - 1;
         let place = (octaves(magnitude) - self.octaves_from) * self.rows_per_octave;
         let place = if place > 0.0 { place.min(last as f64) } else { 0.0 };
-        self.at(place, quarters(along, across) * (0.25 * AZIMUTHS as f64))
+        let turn = quarters(along, across) * (0.25 * AZIMUTHS as f64);
+        let (row, column) = ((place as usize).min(last - 1), (turn as usize).min(AZIMUTHS - 1));
+        self.at(row, column, (place - row as f64) as f32, (turn - column as f64) as f32).map(f64::from)
     }
 
     /// The same of a group of facets, given their wave vectors, the unit vector downwind and the wave numbers.
@@ -90,35 +92,34 @@ impl DirectionShare {
     pub(super) fn roots_of_group(
         &self,
         [x, y, _]: &Looks,
-        [cos, sin]: [f64; 2],
-        magnitude: &[f64; GROUP],
-        [with, against]: &mut [[f64; GROUP]; 2],
+        [cos, sin]: [f32; 2],
+        magnitude: &[f32; GROUP],
+        [with, against]: &mut [[f32; GROUP]; 2],
     ) {
-        let last = (self.rows.len() - 1) as f64;
+        let last = self.rows.len() - 1;
+        let (octaves_from, rows_per_octave) = (self.octaves_from as f32, self.rows_per_octave as f32);
         let (mut places, mut turns) = ([0.0; GROUP], [0.0; GROUP]);
         for i in 0..GROUP {
-            let place = (octaves(magnitude[i]) - self.octaves_from) * self.rows_per_octave;
-            places[i] = if place > 0.0 { place.min(last) } else { 0.0 };
+            let place = (octaves_f32(magnitude[i]) - octaves_from) * rows_per_octave;
+            places[i] = if place > 0.0 { place.min(last as f32) } else { 0.0 };
             let (along, across) = (cos * x[i] + sin * y[i], cos * y[i] - sin * x[i]);
-            turns[i] = quarters(along, across) * (0.25 * AZIMUTHS as f64);
+            turns[i] = quarters_f32(along, across) * (0.25 * AZIMUTHS as f32);
         }
         for i in 0..GROUP {
-            [with[i], against[i]] = self.at(places[i], turns[i]);
+            let (row, column) = ((places[i] as usize).min(last - 1), (turns[i] as usize).min(AZIMUTHS - 1));
+            [with[i], against[i]] = self.at(row, column, places[i] - row as f32, turns[i] - column as f32);
         }
     }
 
     /// Between rows and columns of the table.
     #[inline(always)]
-    fn at(&self, place: f64, turn: f64) -> [f64; 2] {
-        let row = (place as usize).min(self.rows.len() - 2);
-        let (column, down) = ((turn as usize).min(AZIMUTHS - 1), place - row as f64);
-        let (down, right) = (down as f32, (turn - column as f64) as f32);
+    fn at(&self, row: usize, column: usize, down: f32, right: f32) -> [f32; 2] {
         let next = if column + 1 < AZIMUTHS { column + 1 } else { 0 };
         let [a, b] = [&self.rows[row], &self.rows[row + 1]].map(|row| [row[column], row[next]]);
         [0, 1].map(|way| {
             let [[a0, a1], [b0, b1]] = [a, b].map(|row| row.map(|roots| roots[way]));
             let (a, b) = (a0 + right * (a1 - a0), b0 + right * (b1 - b0));
-            f64::from(a + down * (b - a))
+            a + down * (b - a)
         })
     }
 }
@@ -128,6 +129,19 @@ impl DirectionShare {
 #[inline(always)]
 fn quarters(x: f64, y: f64) -> f64 {
     let up = y / (x.abs() + y.abs()).max(f64::MIN_POSITIVE);
+    if x < 0.0 {
+        2.0 - up
+    } else if y < 0.0 {
+        4.0 + up
+    } else {
+        up
+    }
+}
+
+/// The same in single precision.
+#[inline(always)]
+fn quarters_f32(x: f32, y: f32) -> f32 {
+    let up = y / (x.abs() + y.abs()).max(f32::MIN_POSITIVE);
     if x < 0.0 {
         2.0 - up
     } else if y < 0.0 {

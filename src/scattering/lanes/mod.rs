@@ -80,8 +80,8 @@ pub struct Batch {
     bragg: [Row; 2],
     density: Row,
     gain: Row,
-    /// Factor on the density of Bragg waves, and what the weights of sub-facets tend to along and across the
-    /// wind; where they are modulated.
+    /// Factor on the density of Bragg waves, where they are modulated, and on the amplitude of sub-facets that
+    /// are tilted up by a node along and across the wind.
     raise: Row,
     bias: [Row; 2],
     power: [[Row; 2]; 2],
@@ -217,7 +217,7 @@ impl Task for Respond<'_> {
                 batch.bragg_vectors::<true>(water.wavenumber_radpm, water.axis);
             } else {
                 batch.tilt(kind, *shape);
-                if water.modulation.is_some() {
+                if water.modulation.is_some_and(|of| of.leans()) {
                     batch.lean(*shape);
                 }
                 batch.bragg_vectors::<false>(water.wavenumber_radpm, water.axis);

@@ -9,15 +9,25 @@ use crate::sea::surface::modulation::{MOST, Strength, TINY};
 #[derive(Clone, Copy, Debug)]
 pub struct LaneModulation {
     covariance: [[f32; 3]; 3],
-    bias: [[f32; 3]; 2],
+    /// Where weights of sub-facets tend to anything.
+    bias: Option<[[f32; 3]; 2]>,
 }
 
 impl LaneModulation {
+    /// Whether weights of sub-facets tend to anything.
+    pub(super) fn leans(&self) -> bool {
+        self.bias.is_some()
+    }
+
     pub(in crate::scattering) fn new(strength: &Strength, bias: &TiltBias) -> Self {
         let round = |row: [f64; 3]| row.map(|c| c as f32);
-        Self { covariance: strength.covariance.map(round), bias: bias.of.map(round) }
+        let bias = (*bias != TiltBias::default()).then(|| bias.of.map(round));
+        Self { covariance: strength.covariance.map(round), bias }
     }
 }
+
+/// The outer ones of the three nodes of tilts, standard deviations.
+const NODE: f32 = 1.732_050_8;
 
 /// `e^x` for `|x| <= 4`: a few roundings more than that of negative numbers.
 #[inline(always)]
@@ -41,16 +51,14 @@ impl Batch {
     /// Factors on the density of Bragg waves, and what weights of sub-facets tend to.
     #[inline(always)]
     pub(super) fn modulate(&mut self, of: &LaneModulation, axis: [f32; 2]) {
-        const ROOT_3: f32 = 1.732_050_8;
         let most = MOST as f32;
         for g in 0..lanes_for(self.count) / GROUP {
             let (incident, scattered) = (groups(&self.incident, g), groups(&self.scattered, g));
             let tensor = groups(&self.strain, g);
-            let (mut raise, mut bias) = ([0.0f32; GROUP], [[0.0f32; GROUP]; 2]);
+            let mut raise = [0.0f32; GROUP];
             for i in 0..GROUP {
                 let (ki, ks) = (lane(&incident, i), lane(&scattered, i));
-                let q = [ks[0] - ki[0], ks[1] - ki[1]];
-                let look = look_of(q[0], q[1]);
+                let look = look_of(ks[0] - ki[0], ks[1] - ki[1]);
                 let variance = times(
                     &[
                         times(&of.covariance[0], look),
@@ -60,35 +68,49 @@ impl Batch {
                     look,
                 );
                 let m = times(&lane(&tensor, i), look) - 0.5 * variance;
-                // On the axes of the wind.
-                let turned = look_of(axis[0] * q[0] + axis[1] * q[1], axis[0] * q[1] - axis[1] * q[0]);
-                let mut norm = 1.0;
-                for (own, row) in bias.iter_mut().zip(&of.bias) {
-                    let bias = times(row, turned).clamp(-1.0, 1.0);
-                    let up = exponential_both(ROOT_3 * bias);
-                    norm *= 2.0 / 3.0 + (up + 1.0 / up) / 6.0;
-                    own[i] = bias;
-                }
-                raise[i] = exponential_both(m.clamp(-most, most)) / norm;
+                raise[i] = exponential_both(m.clamp(-most, most));
+            }
+            if let Some(bias) = &of.bias {
+                self.bias(bias, axis, g, &mut raise);
             }
             *group_mut(&mut self.raise, g) = raise;
-            for (to, from) in self.bias.iter_mut().zip(bias) {
-                *group_mut(to, g) = from;
+        }
+    }
+
+    /// Amplitudes of sub-facets that are tilted up and across by a node, and what their powers sum up to.
+    #[inline(always)]
+    fn bias(&mut self, of: &[[f32; 3]; 2], axis: [f32; 2], g: usize, raise: &mut [f32; GROUP]) {
+        let (incident, scattered) = (groups(&self.incident, g), groups(&self.scattered, g));
+        let mut roots = [[0.0f32; GROUP]; 2];
+        for i in 0..GROUP {
+            let (ki, ks) = (lane(&incident, i), lane(&scattered, i));
+            let q = [ks[0] - ki[0], ks[1] - ki[1]];
+            // On the axes of the wind.
+            let turned = look_of(axis[0] * q[0] + axis[1] * q[1], axis[0] * q[1] - axis[1] * q[0]);
+            for (own, row) in roots.iter_mut().zip(of) {
+                // The root of a weight is an amplitude.
+                let root = exponential_both(0.5 * NODE * times(row, turned).clamp(-1.0, 1.0));
+                let up = root * root;
+                raise[i] /= 2.0 / 3.0 + (up + 1.0 / up) / 6.0;
+                own[i] = root;
             }
+        }
+        for (to, from) in self.bias.iter_mut().zip(roots) {
+            *group_mut(to, g) = from;
         }
     }
 
     /// The share of a sub-facet that waves tilt.
     #[inline(always)]
     pub(super) fn lean(&mut self, [up, across, _]: Tilt) {
-        for g in 0..lanes_for(self.count) / GROUP {
-            let (along, cross) = (group(&self.bias[0], g), group(&self.bias[1], g));
-            let mut gain = group(&self.gain, g);
-            for i in 0..GROUP {
-                // The root of a weight is an amplitude.
-                gain[i] *= exponential_both(0.5 * (along[i] * up + cross[i] * across));
+        for (row, node) in self.bias.iter().zip([up, across]) {
+            for g in (0..lanes_for(self.count) / GROUP).filter(|_| node != 0.0) {
+                let (root, mut gain) = (group(row, g), group(&self.gain, g));
+                for i in 0..GROUP {
+                    gain[i] = if node > 0.0 { gain[i] * root[i] } else { gain[i] / root[i] };
+                }
+                *group_mut(&mut self.gain, g) = gain;
             }
-            *group_mut(&mut self.gain, g) = gain;
         }
     }
 
