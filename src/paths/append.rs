@@ -97,9 +97,8 @@ impl PathGenerator {
         }
         let mut breakers = || {
             let (patch, mix) = sea.seen(reception, work)?;
-            // Beyond the patch as its edge: shadows may know more of the sea than the patch has.
-            let edge = |key| patch.key(patch.nearest_index(key));
-            let weight = |antenna: usize, key| mix.as_ref().map_or(1.0, |mix| mix.weight(antenna, edge(key)));
+            let weight =
+                |antenna: usize, facet| mix.as_ref().map_or(1.0, |mix| mix.weight(antenna, patch.key(facet)));
             self.append_breakers(sea, reception, &patch, weight, amplitude, paths)
         };
         breakers().map_err(|failure| self.sea_error(emitted, failure))

@@ -20,13 +20,13 @@ use crate::sea::surface::{Evaluator, Fields, Grid, Selection, Surface, SurfaceEr
 const KEPT: std::ops::RangeInclusive<usize> = 6..=24;
 const MOST_KEPT: f64 = 4e6;
 const SURFACES: usize = 4;
-/// Breakers for which there is room beforehand, at most.
+/// Scatterers for which there is room beforehand, at most.
 const ROOM: f64 = 65_536.0;
 /// Side of the squares in which a patch that follows may begin without another region: its own over this, and
 /// at least so many metres.
 const PER_SIDE: usize = 4;
 const LEAST_SIDE_M: f64 = 2.0 * CELL_M;
-/// Breakers that may be alive at a time in the mean, and area of a patch, m^2.
+/// Scatterers that may be alive at a time in the mean, and area of a patch, m^2.
 const MOST_ALIVE: f64 = 1e6;
 const MOST_AREA_M2: f64 = 4e9;
 
@@ -34,6 +34,8 @@ const MOST_AREA_M2: f64 = 4e9;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Riding {
     pub breaker: Breaker,
+    /// The facet on which its wave was found.
+    key: [i64; 2],
     pub height_m: f64,
 }
 
@@ -105,12 +107,12 @@ impl BreakingPlan {
         })
     }
 
-    /// How far a breaker may be from where it was found, m.
+    /// How far a scatterer may be from where its wave was found, m.
     pub fn reach_m(&self) -> f64 {
         self.law.reach().1
     }
 
-    /// Breakers that are alive at a time, mean.
+    /// Scatterers that are alive at a time, mean.
     pub fn alive(&self) -> f64 {
         self.law.alive_per_m2() * self.patch_m2
     }
@@ -133,18 +135,24 @@ impl BreakingPlan {
             let rising = &fields.acceleration_mps2[2];
             for y in cell(y_first, -0.5)..=cell(y_last, 0.5) {
                 for x in cell(x_first, -0.5)..=cell(x_last, 0.5) {
-                    self.law.candidates([x, y], slot, |breaker| {
-                        let key = key_of(&breaker, facet_m);
+                    self.law.candidates([x, y], slot, |wave| {
+                        let key = key_of(wave.place_m, facet_m);
                         if !holds(region, key) {
                             return;
                         }
                         let facet = self.grid.index(key);
                         let downwards = (self.deviation_mps2 > 0.0)
                             .then(|| -f64::from(rising[facet]) / self.deviation_mps2);
-                        let at_sea = || !self.land.as_ref().is_some_and(|dem| dem.is_land(key, facet_m));
-                        if breaker.breaks(downwards) && at_sea() {
-                            found.push(Riding { breaker, height_m: f64::from(fields.height_m[facet]) });
+                        if !wave.breaks(downwards) {
+                            return;
                         }
+                        let height_m = f64::from(fields.height_m[facet]);
+                        self.law.scatterers(wave, |breaker| {
+                            let own = key_of(breaker.place_m, facet_m);
+                            if !self.land.as_ref().is_some_and(|dem| dem.is_land(own, facet_m)) {
+                                found.push(Riding { breaker, key, height_m });
+                            }
+                        });
                     });
                 }
             }
@@ -164,9 +172,8 @@ impl BreakingPlan {
         for slot in slot(from_s - life_s)..=slot(to_s) {
             let find = |found: &mut Vec<_>| self.find(slot, &region(patch, self.sides, square), found);
             self.found.with((slot, square), find, |found| {
-                let alive = |Riding { breaker, .. }: &&Riding| {
-                    breaker.lives(from_s, to_s) && holds(patch, key_of(breaker, patch.facet_m))
-                };
+                let alive =
+                    |Riding { breaker, key, .. }: &&Riding| breaker.lives(from_s, to_s) && holds(patch, *key);
                 found.iter().filter(alive).for_each(&mut each);
             })?;
         }
@@ -174,9 +181,9 @@ impl BreakingPlan {
     }
 }
 
-/// Twice the mean: how many break depends on the longest waves.
+/// Twice the mean, as how many break depends on the longest waves, and a few of the largest.
 fn room(mean: f64) -> usize {
-    (2.0 * mean + 64.0).min(ROOM) as usize
+    (2.0 * mean + 1024.0).min(ROOM) as usize
 }
 
 /// All that patches hold which begin in a square.
@@ -186,9 +193,9 @@ fn region(patch: &Patch, sides: [i64; 2], square: [i64; 2]) -> Patch {
     Patch { first, facets, ..*patch }
 }
 
-/// The facet on which a breaker is found.
-fn key_of(breaker: &Breaker, facet_m: f64) -> [i64; 2] {
-    breaker.place_m.map(|at| (at / facet_m).round() as i64)
+/// The facet at a place.
+fn key_of(place_m: [f64; 2], facet_m: f64) -> [i64; 2] {
+    place_m.map(|at| (at / facet_m).round() as i64)
 }
 
 fn last(patch: &Patch) -> [i64; 2] {

@@ -10,6 +10,9 @@
 //! - **Areas** are exponential, as lengths of crests are, about `lambda^2/8`: `lambda/4` wide and in the mean
 //!   half a wave `lambda = c T` long.
 //! - **Directions** are Gaussian about the wind, 30 degrees rms.
+//! - **Scatterers**: what breaks of a wave is many square metres of rough water. Each wave is cut into equal
+//!   parts of at most one square metre, at random places in what breaks of it and with random phases of their
+//!   own; they run, live and die together. One point a wave would return ten times the fourth moment.
 //!
 //! - **Where**: six times as many points as break are scattered over water and time at random, in cells of
 //!   32 m and slots of half a second that are drawn from the seed and their numbers alone; those break under
@@ -24,7 +27,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use rand::RngExt;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use rand_distr::{Exp1, Poisson, StandardNormal};
 
 use super::GRAVITY_MPS2;
@@ -63,39 +67,61 @@ const PEAK_OVER_WIND: f64 = 1.2;
 const FASTEST_SHARE: f64 = 0.8;
 /// Share of a period for which a wave breaks.
 const LIFE_SHARE: f64 = 0.25;
+/// Largest part of a wave that scatters as a point, m^2.
+const LARGEST_M2: f64 = 1.0;
+/// What breaks of a wave along its travel, over its length, and at most along its crest to either side.
+const WIDTH_SHARE: f64 = 0.25;
+const HALF_CREST_SHARE: f64 = 1.0;
 /// Side of the cells in which breakers are drawn, m, and length of the slots of time in which they are born, s.
 pub const CELL_M: f64 = 32.0;
 pub const SLOT_S: f64 = 0.5;
 
-/// A wave that may break: a point that scatters while it does.
+/// Where a wave may break.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// East and North, m: there the surface decides.
+    pub place_m: [f64; 2],
+    /// Uniform, 0 to 1: decides where there are no waves.
+    lot: f64,
+    slot: i64,
+    /// Of the wave and its scatterers.
+    seed: u64,
+}
+
+/// A scatterer of a wave that breaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breaker {
     /// Where it is in the middle of its slot, East and North, m.
     pub place_m: [f64; 2],
     /// Middle of the slot, s after pulse 0.
     pub middle_s: f64,
-    /// Begin, s after pulse 0, and length of its life, s.
+    /// Begin, s after pulse 0.
     pub born_s: f64,
     /// Length of its life, s.
     pub life_s: f64,
-    /// Speed, m/s, and direction of its travel.
+    /// Speed, m/s.
     pub speed_mps: f64,
-    /// Direction of its travel, counter-clockwise from East, rad.
-    pub travel_rad: f64,
-    /// Area that breaks, mean over its life, m^2.
+    /// Unit vector along its travel, East and North.
+    pub travel: [f64; 2],
+    /// Its part of the area that breaks, mean over its life, m^2.
     pub area_m2: f64,
     /// Phases of the like-polarised echo and of the cross-polarised one, rad.
     pub phases_rad: [f64; 2],
-    /// Uniform, 0 to 1: decides where there are no waves.
-    pub lot: f64,
+}
+
+impl Candidate {
+    /// Whether it breaks in waves with a downward acceleration, in deviations of it; `None` where there are no
+    /// waves.
+    pub fn breaks(&self, downwards_sigma: Option<f64>) -> bool {
+        downwards_sigma.map_or(self.lot < STEEP_SHARE, |own| own > STEEPEST_SIGMA)
+    }
 }
 
 impl Breaker {
     /// Where it is at a time, East and North, m.
     pub fn at_m(&self, elapsed_s: f64) -> [f64; 2] {
-        let (sin, cos) = self.travel_rad.sin_cos();
         let run_m = self.speed_mps * (elapsed_s - self.middle_s);
-        [self.place_m[0] + run_m * cos, self.place_m[1] + run_m * sin]
+        [0, 1].map(|i| self.place_m[i] + run_m * self.travel[i])
     }
 
     /// Whether it is alive at any instant between two times.
@@ -112,12 +138,6 @@ impl Breaker {
         let sin = (PI * share).sin();
         (8.0f64 / 3.0).sqrt() * sin * sin
     }
-
-    /// Whether it breaks in waves with a downward acceleration, in deviations of it; `None` where there are no
-    /// waves.
-    pub fn breaks(&self, downwards_sigma: Option<f64>) -> bool {
-        downwards_sigma.map_or(self.lot < STEEP_SHARE, |own| own > STEEPEST_SIGMA)
-    }
 }
 
 /// What breaks in a wind.
@@ -126,6 +146,9 @@ pub struct Law {
     downwind_rad: f64,
     speeds_mps: [f64; 2],
     coverage: f64,
+    /// Scatterers, mean: births per area and time, 1/(m^2 s), and alive per area, 1/m^2.
+    births_per_m2_s: f64,
+    alive_per_m2: f64,
     seed: u64,
 }
 
@@ -136,7 +159,15 @@ impl Law {
         let dominant_mps = FASTEST_SHARE * PEAK_OVER_WIND * u10_mps;
         let fastest_mps = dominant_mps.clamp(2.0 * SLOWEST_MPS, FASTEST_MPS);
         let speeds_mps = [(0.5 * fastest_mps).min(LEAST_MPS), fastest_mps];
-        (coverage > 0.0).then_some(Self { downwind_rad, speeds_mps, coverage, seed })
+        let [births_per_m2_s, alive_per_m2] = scatterers(speeds_mps).map(|of| coverage * of);
+        (coverage > 0.0).then_some(Self {
+            downwind_rad,
+            speeds_mps,
+            coverage,
+            births_per_m2_s,
+            alive_per_m2,
+            seed,
+        })
     }
 
     /// Share of the surface that breaks, mean.
@@ -144,54 +175,98 @@ impl Law {
         self.coverage
     }
 
-    /// Births per area and time, 1/(m^2 s): the integral of `W f(c)/(A(c) T(c)/4)`, `f ~ c^-4` of integral 1.
-    pub fn births_per_m2_s(&self) -> f64 {
+    /// Births of waves per area and time, 1/(m^2 s): the integral of `W f(c)/(A(c) T(c)/4)`, `f ~ c^-4` of
+    /// integral 1.
+    pub fn waves_per_m2_s(&self) -> f64 {
         let of = |power: i32| self.speeds_mps[0].powi(-power) - self.speeds_mps[1].powi(-power);
         // Area and life over c^4 and c.
         let (area, life) = (area_m2(1.0), life_s(1.0));
         self.coverage * 3.0 / of(3) * of(8) / (8.0 * area * life)
     }
 
-    /// Breakers that are alive per area, mean, 1/m^2.
+    /// Births of scatterers per area and time, mean, 1/(m^2 s).
+    pub fn births_per_m2_s(&self) -> f64 {
+        self.births_per_m2_s
+    }
+
+    /// Scatterers that are alive per area, mean, 1/m^2.
     pub fn alive_per_m2(&self) -> f64 {
-        let of = |power: i32| self.speeds_mps[0].powi(-power) - self.speeds_mps[1].powi(-power);
-        self.coverage * 3.0 / of(3) * of(7) / (7.0 * area_m2(1.0))
+        self.alive_per_m2
     }
 
-    /// Longest life, s, and how far a breaker may be from its place, m.
+    /// Longest life, s, and how far a scatterer may be from where its wave is found, m.
     pub fn reach(&self) -> (f64, f64) {
-        let life_s = life_s(self.speeds_mps[1]);
-        (life_s, self.speeds_mps[1] * (life_s + 0.5 * SLOT_S))
+        let fastest_mps = self.speeds_mps[1];
+        let (life_s, length_m) = (life_s(fastest_mps), length_m(fastest_mps));
+        let off_m = length_m * HALF_CREST_SHARE.hypot(0.5 * WIDTH_SHARE);
+        (life_s, off_m + fastest_mps * (life_s + 0.5 * SLOT_S))
     }
 
-    /// Hands over all that may break of a cell and a slot: more than break, by what waves leave of them.
-    pub fn candidates(&self, cell: [i64; 2], slot: i64, mut each: impl FnMut(Breaker)) {
-        let mean = self.births_per_m2_s() / STEEP_SHARE * CELL_M * CELL_M * SLOT_S;
+    /// Hands over all places of a cell and a slot where a wave may break: more than break, by what the surface
+    /// leaves of them.
+    pub fn candidates(&self, cell: [i64; 2], slot: i64, mut each: impl FnMut(&Candidate)) {
+        let mean = self.waves_per_m2_s() / STEEP_SHARE * CELL_M * CELL_M * SLOT_S;
         let Ok(law) = Poisson::new(mean) else { return };
         // Cells as many as there are in 1e11 m are told apart.
         let address = (cell[0] as u32 as u64) << 32 | u64::from(cell[1] as u32);
         let mut rng = stream(self.seed, Room::Breaker, address, slot as u64);
         let count = rng.sample(law) as u64;
-        let begin_s = slot as f64 * SLOT_S;
         for _ in 0..count {
-            let [x, y, born, speed, lot] = [(); 5].map(|()| rng.random::<f64>());
-            let phases_rad = [(); 2].map(|()| TAU * rng.random::<f64>());
-            let (off, area): (f64, f64) = (rng.sample(StandardNormal), rng.sample(Exp1));
-            let [slow, fast] = self.speeds_mps.map(|c| c.powi(-8));
-            let speed_mps = (slow + speed * (fast - slow)).powf(-0.125);
+            let [x, y, lot] = [(); 3].map(|()| rng.random::<f64>());
+            let place_m = [(cell[0] as f64 + x) * CELL_M, (cell[1] as f64 + y) * CELL_M];
+            each(&Candidate { place_m, lot, slot, seed: rng.random() });
+        }
+    }
+
+    /// Hands over the scatterers of the wave that breaks at a candidate's place.
+    pub fn scatterers(&self, of: &Candidate, mut each: impl FnMut(Breaker)) {
+        let mut rng = ChaCha8Rng::seed_from_u64(of.seed);
+        let [born, speed] = [(); 2].map(|()| rng.random::<f64>());
+        let (off, area): (f64, f64) = (rng.sample(StandardNormal), rng.sample(Exp1));
+        let [slow, fast] = self.speeds_mps.map(|c| c.powi(-8));
+        let speed_mps = (slow + speed * (fast - slow)).powf(-0.125);
+        let begin_s = of.slot as f64 * SLOT_S;
+        let (sin, cos) = (self.downwind_rad + SPREAD_RAD * off).sin_cos();
+        let (length_m, area_m2) = (length_m(speed_mps), area * area_m2(speed_mps));
+        let width_m = WIDTH_SHARE * length_m;
+        let crest_m = (area_m2 / width_m).min(2.0 * HALF_CREST_SHARE * length_m);
+        let parts = (area_m2 / LARGEST_M2).ceil().max(1.0);
+        for _ in 0..parts as u64 {
+            let [along, across] = [width_m, crest_m].map(|side_m| side_m * (rng.random::<f64>() - 0.5));
+            let [east, north] = of.place_m;
             each(Breaker {
-                place_m: [(cell[0] as f64 + x) * CELL_M, (cell[1] as f64 + y) * CELL_M],
+                place_m: [east + along * cos - across * sin, north + along * sin + across * cos],
                 middle_s: begin_s + 0.5 * SLOT_S,
                 born_s: begin_s + born * SLOT_S,
                 life_s: life_s(speed_mps),
                 speed_mps,
-                travel_rad: self.downwind_rad + SPREAD_RAD * off,
-                area_m2: area * area_m2(speed_mps),
-                phases_rad,
-                lot,
+                travel: [cos, sin],
+                area_m2: area_m2 / parts,
+                phases_rad: [(); 2].map(|()| TAU * rng.random::<f64>()),
             });
         }
     }
+}
+
+/// Scatterers between two speeds for a coverage of 1: births, 1/(m^2 s), and alive, 1/m^2. Parts of at most
+/// `LARGEST_M2` of areas that are exponential about `a` are `1/(1 - exp(-LARGEST_M2/a))` in the mean.
+fn scatterers([slow, fast]: [f64; 2]) -> [f64; 2] {
+    const STEPS: usize = 512;
+    let step = (fast - slow) / STEPS as f64;
+    let level = 3.0 / (slow.powi(-3) - fast.powi(-3));
+    let mut sums = [0.0; 2];
+    for n in 0..STEPS {
+        let speed = slow + (n as f64 + 0.5) * step;
+        let area = area_m2(speed);
+        let alive = level * speed.powi(-4) / (area * -(-LARGEST_M2 / area).exp_m1()) * step;
+        sums[0] += alive / life_s(speed);
+        sums[1] += alive;
+    }
+    sums
+}
+
+fn length_m(speed_mps: f64) -> f64 {
+    TAU * speed_mps * speed_mps / GRAVITY_MPS2
 }
 
 fn life_s(speed_mps: f64) -> f64 {
@@ -200,6 +275,5 @@ fn life_s(speed_mps: f64) -> f64 {
 
 /// Mean area of breakers of a speed: an eighth of the square of the wave's length.
 fn area_m2(speed_mps: f64) -> f64 {
-    let length_m = TAU * speed_mps * speed_mps / GRAVITY_MPS2;
-    0.125 * length_m * length_m
+    0.5 * WIDTH_SHARE * length_m(speed_mps) * length_m(speed_mps)
 }

@@ -1,5 +1,7 @@
 //! What breaking waves return, beside published figures.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use nereus::paths::PathGenerator;
 use nereus::radar::link::Link;
@@ -113,20 +115,37 @@ fn what_breaks_covers_what_it_should() {
     for u10_mps in [3.0, 10.0, 25.0] {
         let law = Law::new(u10_mps, 0.3, 5).unwrap();
         let (mut covered, mut births, mut lives) = (0.0, 0.0, 0.0);
+        // Scatterers of a wave come together: their counts vary as the sum of squares of those of waves.
+        let mut squares = 0.0;
         let (cells, slots) = (if u10_mps < 5.0 { 60 } else { 12 }, 16);
         for cell in 0..cells * cells {
             for slot in 0..slots {
-                law.candidates([cell % cells, cell / cells - 3], slot, |own| {
+                law.candidates([cell % cells, cell / cells - 3], slot, |wave| {
                     // In still water the lot decides; in waves their acceleration.
-                    if own.breaks(None) {
-                        covered += own.area_m2 * own.life_s;
-                        (births, lives) = (births + 1.0, lives + own.life_s);
+                    if !wave.breaks(None) {
+                        return;
                     }
-                    assert!((0.1..=1.0).contains(&own.life_s), "{own:?}");
-                    assert!((0.65..=6.0).contains(&own.speed_mps), "{own:?}");
+                    let mut count = 0.0;
+                    law.scatterers(wave, |own| {
+                        assert!((0.1..=1.0).contains(&own.life_s), "{own:?}");
+                        assert!((0.65..=6.0).contains(&own.speed_mps), "{own:?}");
+                        assert!(own.area_m2 > 0.0 && own.area_m2 <= 1.0, "{own:?}");
+                        // An eighth of a wave before and after, a whole one to either side.
+                        let [east, north] = [0, 1].map(|i| own.place_m[i] - wave.place_m[i]);
+                        let [cos, sin] = own.travel;
+                        let length_m = TAU * own.speed_mps * own.speed_mps / 9.81;
+                        let (along, across) = (east * cos + north * sin, north * cos - east * sin);
+                        assert!(along.abs() < 0.126 * length_m && across.abs() < 1.01 * length_m, "{own:?}");
+                        covered += own.area_m2 * own.life_s;
+                        (count, lives) = (count + 1.0, lives + own.life_s);
+                    });
+                    births += count;
+                    squares += count * count;
                 });
             }
         }
+        let deviation = f64::sqrt(squares) / births;
+        println!("{u10_mps} m/s: births {births}, deviation {deviation:.4}, covered {covered:.1}");
         let all = (cells * cells) as f64 * CELL_M * CELL_M * slots as f64 * SLOT_S;
         // Areas grow as c^4, so that a few large ones carry much: 4 deviations of some 8 % of one thousand.
         assert!(
@@ -134,14 +153,8 @@ fn what_breaks_covers_what_it_should() {
             "{u10_mps}: {}",
             covered / all / law.coverage()
         );
-        assert!(
-            (births / all / law.births_per_m2_s() - 1.0).abs() < 4.0 / f64::sqrt(births),
-            "{u10_mps}: {births}"
-        );
-        assert!(
-            (lives / all / law.alive_per_m2() - 1.0).abs() < 5.0 / f64::sqrt(births),
-            "{u10_mps}: {lives}"
-        );
+        assert!((births / all / law.births_per_m2_s() - 1.0).abs() < 4.0 * deviation, "{u10_mps}: {births}");
+        assert!((lives / all / law.alive_per_m2() - 1.0).abs() < 5.0 * deviation, "{u10_mps}: {lives}");
     }
     assert!(Law::new(0.0, 0.0, 1).is_none());
 }
@@ -149,8 +162,12 @@ fn what_breaks_covers_what_it_should() {
 #[test]
 fn envelopes_have_the_power_of_their_life_and_breakers_run() {
     let law = Law::new(10.0, 0.0, 5).unwrap();
-    let mut found = Vec::new();
-    law.candidates([0, 0], 3, |own| found.push(own));
+    let scatterers = |cell| {
+        let mut found = Vec::new();
+        law.candidates(cell, 3, |wave| law.scatterers(wave, |own| found.push(own)));
+        found
+    };
+    let found = scatterers([0, 0]);
     let own = found[0];
     let at = |share: f64| own.born_s + share * own.life_s;
     let steps = 1000;
@@ -161,10 +178,8 @@ fn envelopes_have_the_power_of_their_life_and_breakers_run() {
     let [a, b] = [own.at_m(1.0), own.at_m(3.0)];
     assert!(((b[0] - a[0]).hypot(b[1] - a[1]) / 2.0 - own.speed_mps).abs() < 1e-9);
     // The same cell and slot again, and another.
-    let mut again = Vec::new();
-    law.candidates([0, 0], 3, |own| again.push(own));
-    assert_eq!(found, again);
-    law.candidates([0, 1], 3, |own| assert!(!found.contains(&own)));
+    assert_eq!(found, scatterers([0, 0]));
+    assert!(scatterers([0, 1]).iter().all(|own| !found.contains(own)));
 }
 
 #[test]
@@ -173,7 +188,7 @@ fn a_sixth_of_a_gaussian_sea_breaks_whatever_its_facets() {
     // height and downward acceleration are one, and the mean above one deviation is phi(1)/Q(1) = 1.525.
     let own = {
         let mut first = None;
-        Law::new(10.0, 0.0, 5).unwrap().candidates([0, 0], 0, |own| first = first.or(Some(own)));
+        Law::new(10.0, 0.0, 5).unwrap().candidates([0, 0], 0, |own| first = first.or(Some(*own)));
         first.unwrap()
     };
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
@@ -230,8 +245,16 @@ fn the_echo_has_the_mean_of_the_law_and_the_doppler_of_breakers_for_facets_of_an
         let expected = breaker(WATER, &Path::new(ki, -ki), DVec3::X);
         let ratios = [hh / of_one_m2 / expected.hh, vv / of_one_m2 / expected.vv];
         let alive = Law::new(15.0, 0.0, 1).unwrap().alive_per_m2() * area_m2 * scene.pulses as f64;
-        // Mean speed of those alive, of c^-8 from 2 to 6 m/s, and mean cosine of 30 degrees rms.
-        let speed_mps = 7.0 / 6.0 * (2f64.powi(-6) - 6f64.powi(-6)) / (2f64.powi(-7) - 6f64.powi(-7));
+        // Mean speed of those alive: waves of c^-8 from 2 to 6 m/s, parts of a square metre of each.
+        let [speeds, parts] = [1, 0].map(|power| {
+            let of = |n: u32| {
+                let speed_mps = 2.0 + 4.0 * (f64::from(n) + 0.5) / 4000.0;
+                let area_m2 = (TAU * speed_mps * speed_mps / 9.81).powi(2) / 8.0;
+                speed_mps.powi(power - 8) / (1.0 - (-1.0 / area_m2).exp())
+            };
+            (0..4000).map(of).sum::<f64>()
+        });
+        let speed_mps = speeds / parts;
         let expected_mps = speed_mps * (-0.5 * 30f64.to_radians().powi(2)).exp() * at[0] / range_m;
         println!(
             "{facet_m} m: {ratios:?}, {count} of {alive:.0} alive, {} of {expected_mps:.3} m/s",
@@ -239,9 +262,10 @@ fn the_echo_has_the_mean_of_the_law_and_the_doppler_of_breakers_for_facets_of_an
         );
         // How much of so small a sea is steep.
         assert!((count / alive - 1.0).abs() < 0.15, "{count} {alive}");
-        // Of one breaker <P^2>/<P>^2 = 10.8: 2 for areas of one speed, 2.77 for speeds (c^4 under c^-8),
-        // 1.944 for the envelope. Four deviations of the mean of so many.
-        let allowed = 4.0 * f64::sqrt(9.8 / count);
+        // Over their number what is left of the scatter of waves is that of the envelope, of variance 0.944,
+        // over areas of <A^2>/<A>^2 = 5.54: 2 for areas of one speed, 2.77 for speeds (c^4 under c^-8). Four
+        // deviations of the mean of as many waves, of which one has 2.41 parts in the mean.
+        let allowed = 4.0 * f64::sqrt(0.944 * 5.54 / (count / 2.41));
         let each = ratios.map(|ratio| ratio * alive / count);
         assert!(each.iter().all(|ratio| (ratio - 1.0).abs() < allowed), "{each:?}, allowed {allowed}");
         assert!((closing_mps / count / expected_mps - 1.0).abs() < 0.05, "{}", closing_mps / count);

@@ -49,6 +49,34 @@ impl Shape {
     }
 }
 
+/// An antenna at an instant, for directions one by one.
+#[derive(Clone, Copy)]
+pub(in crate::paths) struct Sight {
+    pub position: DVec3,
+    /// From the scene to the antenna.
+    turn: Axes,
+    shape: Shape,
+}
+
+impl Sight {
+    pub fn of(antenna: &Antenna, position: DVec3, axes: Axes) -> Self {
+        Self { position, turn: axes.transpose(), shape: Shape::of(antenna) }
+    }
+
+    /// Real field gain in a direction from the antenna, within 1e-6 of the peak.
+    pub fn gain(&self, antenna: &Antenna, direction: DVec3) -> f64 {
+        let d = self.turn * direction;
+        match self.shape {
+            Shape::Constant(gain) => gain.into(),
+            Shape::Rectangle { .. } if d.x <= 0.0 => 0.0,
+            Shape::Rectangle { peak, sides } => {
+                (peak * sinc(sides[0] * d.y as f32) * sinc(sides[1] * d.z as f32)).into()
+            }
+            Shape::Other => antenna.field_gain(Vector::from_raw(d)).re,
+        }
+    }
+}
+
 /// Product of the real field gains of both antennas towards facets, whose directions are interpolated between
 /// nodes.
 pub(super) struct Gains<'a> {

@@ -59,6 +59,7 @@ use crate::sea::facet_surface::FacetSurface;
 use crate::sea::surface::{Fields, Selection};
 
 use epoch::View;
+pub(in crate::paths) use gain::Sight;
 pub use instants::{
     EPOCH_POINTS, EPOCHS, EPOCHS_PER_NODE, GAIN_POINTS, Instants, NODES, SIDELOBE_NODES, Sidelobe, Tier,
     Tiers, epochs_about, gain_instants, gain_step, gain_weights, nodes_within, sidelobe_gain_pulses,

@@ -87,17 +87,43 @@ impl ShadowWeights {
     }
 }
 
+/// Visibility of facets from an antenna at an instant: 1 where nothing is hidden.
+#[derive(Clone, Copy, Default)]
+pub(in crate::paths) struct Seen<'a> {
+    before: &'a [f32],
+    next: &'a [f32],
+    share: f64,
+}
+
+impl Seen<'_> {
+    /// Whether nothing is hidden.
+    pub fn is_whole(&self) -> bool {
+        self.before.is_empty() && self.next.is_empty()
+    }
+
+    /// Of a facet of the patch.
+    pub fn of(&self, facet: usize) -> f64 {
+        let at = |weights: &[f32]| weights.get(facet).map_or(1.0, |weight| f64::from(*weight));
+        let from = at(self.before);
+        from + self.share * (at(self.next) - from)
+    }
+}
+
 impl TileWork {
-    /// Visibility of a facet of the patch at hand from an antenna, at a pulse of the block.
-    pub(in crate::paths) fn weight_at(&self, pulse: usize, antenna: usize, facet: usize) -> f64 {
-        let Some(&(before, share)) = self.shares.get(pulse) else { return 1.0 };
-        let of = |update: usize| {
+    /// Visibility of the facets of the patch at hand from an antenna, at a pulse of the block.
+    pub(in crate::paths) fn seen_from(&self, antenna: usize, pulse: usize) -> Seen<'_> {
+        let Some(&(before, share)) = self.shares.get(pulse) else { return Seen::default() };
+        let of = |update: usize| -> &[f32] {
             let weights = self.shadow_updates.get(update).and_then(|update| update.weights.get(antenna));
-            weights.and_then(|weights| weights.get(facet)).map_or(1.0, |weight| f64::from(*weight))
+            weights.map_or(&[], |weights| weights)
         };
         // Where the next update adds nothing it may not be there.
-        let (from, to) = (of(before), of((before + 1).min(self.shadow_updates.len().saturating_sub(1))));
-        from + f64::from(share) * (to - from)
+        let next = (before + 1).min(self.shadow_updates.len().saturating_sub(1));
+        Seen {
+            before: of(before),
+            next: if share == 0.0 { of(before) } else { of(next) },
+            share: f64::from(share),
+        }
     }
 
     /// Weights of the shadows at every update about the block.

@@ -1,6 +1,6 @@
 //! Breaking waves as scatterer paths.
 //!
-//! A breaker (`super::breaking`) is a point that runs straight on, with the cross section of
+//! A breaker (`super::breaking`) is a scatterer that runs straight on with its wave, with the cross section of
 //! [`crate::scattering::breaking`] and a phase of its own. It is seen as the facets under it are: with their weights, bilinear
 //! between the four nearest, so that nothing jumps as it runs from facet to facet. The reference finds these
 //! paths exactly and at every pulse; the fast echo takes what is smooth through a few pulses ([`stretch`]).
@@ -27,12 +27,18 @@ use crate::sea::breaking::Breaker;
 use crate::sea::wake::WakeError;
 
 /// Weight at a place from those of the four facets about it.
-fn between(patch: &Patch, [x, y]: [f64; 2], weight: impl Fn([i64; 2]) -> f64) -> f64 {
-    let (x, y) = (x / patch.facet_m, y / patch.facet_m);
-    let (left, low) = (x.floor(), y.floor());
-    let (u, v, key) = (x - left, y - low, [left as i64, low as i64]);
-    let at = |dx: i64, dy: i64| weight([key[0] + dx, key[1] + dy]);
-    (1.0 - v) * ((1.0 - u) * at(0, 0) + u * at(1, 0)) + v * ((1.0 - u) * at(0, 1) + u * at(1, 1))
+fn between(patch: &Patch, [x, y]: [f64; 2], weight: impl Fn(usize) -> f64) -> f64 {
+    let [x, y] = [(x, 0), (y, 1)].map(|(at, i)| at / patch.facet_m - patch.first[i] as f64);
+    // Off the patch what its edge has.
+    let side = |at: f64, facets: usize| {
+        let at = at.clamp(0.0, (facets - 1) as f64);
+        let low = at as usize;
+        (low, (low + 1).min(facets - 1), at - low as f64)
+    };
+    let ((left, right, u), (low, high, v)) = (side(x, patch.facets[0]), side(y, patch.facets[1]));
+    let at = |x: usize, y: usize| weight(y * patch.facets[0] + x);
+    (1.0 - v) * ((1.0 - u) * at(left, low) + u * at(right, low))
+        + v * ((1.0 - u) * at(left, high) + u * at(right, high))
 }
 
 /// A breaker at an instant.
@@ -45,8 +51,8 @@ struct Moves {
 
 impl Moves {
     fn of(riding: &Riding, earth: Earth, elapsed_s: f64) -> Self {
-        let Riding { breaker, height_m } = riding;
-        let (at_m, (sin, cos)) = (breaker.at_m(elapsed_s), breaker.travel_rad.sin_cos());
+        let Riding { breaker, height_m, .. } = riding;
+        let (at_m, [cos, sin]) = (breaker.at_m(elapsed_s), breaker.travel);
         let position = Point::new(at_m[0], at_m[1], height_m - earth.drop_m(at_m[0], at_m[1]));
         let travel = DVec3::new(cos, sin, 0.0);
         // The sea falls away from the plane of the frame.
@@ -87,7 +93,7 @@ impl PathGenerator {
         sea: &SeaPlan,
         reception: &Reception,
         patch: &Patch,
-        weight: impl Fn(usize, [i64; 2]) -> f64,
+        weight: impl Fn(usize, usize) -> f64,
         amplitude: &mut [Complex64],
         paths: &mut ScattererPaths,
     ) -> Result<(), SeaFailure> {
@@ -112,7 +118,7 @@ impl PathGenerator {
                 if !(within && plan.receives(reception.tx_pol)) {
                     continue;
                 }
-                let seen = ends.map(|end| between(patch, moves.at_m, |key| weight(end, key)));
+                let seen = ends.map(|end| between(patch, moves.at_m, |facet| weight(end, facet)));
                 let scale = plan.link.scattered_over(&path) * seen[0] * seen[1] * envelope;
                 if scale == 0.0 {
                     continue;
@@ -144,7 +150,7 @@ impl PathGenerator {
         self.evaluate(index, own)?;
         let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
         let reception = self.reception(index, index, own, window);
-        let weight = |antenna: usize, key| tiles.weight_at(pulse, antenna, patch.nearest_index(key));
+        let weight = |antenna: usize, facet| tiles.seen_from(antenna, pulse).of(facet);
         let appended = self.append_breakers(sea, &reception, patch, weight, amplitude, paths);
         appended.map_err(|failure| self.sea_error(index, failure))
     }

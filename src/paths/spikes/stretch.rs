@@ -14,12 +14,13 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
 use num_complex::Complex64;
 
 use super::{Moves, between};
 use crate::frames::Earth;
 use crate::geometry::light_time::{LightTime, Path, bistatic};
-use crate::paths::block::{NODES, TileWork};
+use crate::paths::block::{NODES, Sight, TileWork};
 use crate::paths::breaking::{BreakingPlan, Riding};
 use crate::paths::emission::Emission;
 use crate::paths::list::ScattererPaths;
@@ -30,6 +31,7 @@ use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
 use crate::scene::Patch;
 use crate::sea::wake::WakeError;
+use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// What a direction may turn in a stretch, rad.
 const TURN_RAD: f64 = 0.03;
@@ -42,6 +44,10 @@ pub(in crate::paths) struct Buffers {
     emissions: Vec<Emission>,
     /// After pulse 0.
     elapsed_s: Vec<f64>,
+    /// Of a wave at every pulse.
+    envelope: Vec<f64>,
+    /// Transmitter and receiver, `[pulse][pair]`.
+    sights: Vec<[Sight; 2]>,
 }
 
 /// Pulses of a block that are made together.
@@ -118,7 +124,8 @@ impl PathGenerator {
         if !self.antennas.iter().all(Antenna::is_real) {
             return Ok(false);
         }
-        let Workspace { stretch: Buffers { emissions, elapsed_s }, amplitude, .. } = workspace;
+        let Workspace { stretch: Buffers { emissions, elapsed_s, envelope, sights }, amplitude, .. } =
+            workspace;
         let first = stretch.block + stretch.pulses.start as u64;
         let count = stretch.pulses.len();
         emissions.resize_with(count.max(emissions.len()), Emission::default);
@@ -132,20 +139,47 @@ impl PathGenerator {
             let opens_s = self.window_start_of(first + *place as u64)?;
             *window = Window::new(&self.radar, opens_s, self.pulse_length_s);
         }
+        self.sights(stretch.patch, &emissions[..count], sights);
         let made = Making {
             of: self,
             sea,
             stretch,
             tiles,
             emissions: &emissions[..count],
+            sights,
             windows: &windows[..stretch.nodes.len()],
             first,
             elapsed_s,
             interval_s: self.radar.emissions.interval_s(0, 1),
             slopes: Slopes::through(stretch.nodes),
         };
-        made.all(breaking, nodes, amplitude, factors)
+        envelope.resize(count, 0.0);
+        made.all(breaking, nodes, (amplitude, envelope), factors)
             .map_err(|failure| self.sea_error(first, WakeError::from(failure).into()))
+    }
+}
+
+impl PathGenerator {
+    /// Both antennas of every pair at every pulse, the receiver when echoes of the middle of a patch arrive: over
+    /// the patch that differs by microseconds.
+    fn sights(&self, patch: &Patch, emissions: &[Emission], sights: &mut Vec<[Sight; 2]>) {
+        let [x, y] = [0, 1].map(|i| patch.facet_m * (patch.first[i] as f64 + 0.5 * patch.facets[i] as f64));
+        let middle = DVec3::new(x, y, -self.frame.earth().drop_m(x, y));
+        sights.clear();
+        for emission in emissions {
+            for plan in &self.plans {
+                let ends = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+                let [tx, rx] = ends.map(|end| &emission.centres[end]);
+                let way_m = middle.distance(tx.position.raw()) + middle.distance(rx.position.raw());
+                let delay_s = way_m / SPEED_OF_LIGHT_MPS;
+                let arrives = rx.position.raw() + rx.velocity.raw() * delay_s;
+                let axes = emission.axes_after(ends[1], delay_s, self.axes_span_s);
+                sights.push([
+                    Sight::of(&self.antennas[ends[0]], tx.position.raw(), emission.axes(ends[0])),
+                    Sight::of(&self.antennas[ends[1]], arrives, axes),
+                ]);
+            }
+        }
     }
 }
 
@@ -157,6 +191,8 @@ struct Making<'a> {
     tiles: &'a TileWork,
     /// Of every pulse.
     emissions: &'a [Emission],
+    /// `[pulse][pair]`.
+    sights: &'a [[Sight; 2]],
     /// Of every node.
     windows: &'a [Window],
     first: u64,
@@ -180,7 +216,7 @@ impl Making<'_> {
         &self,
         breaking: &BreakingPlan,
         nodes: &mut [ScattererPaths],
-        amplitude: &mut [Complex64],
+        (amplitude, envelope): (&mut [Complex64], &mut [f64]),
         factors: &mut Vec<f64>,
     ) -> Result<bool, crate::sea::surface::SurfaceError> {
         let (pulses, pairs) = (self.stretch.pulses.len(), self.of.plans.len());
@@ -189,12 +225,22 @@ impl Making<'_> {
         breaking.each(self.stretch.patch, lasts_s, |_| alive += 1)?;
         factors.resize(pulses * alive * pairs, 0.0);
         let (mut smooth, mut number) = (true, 0);
+        // Scatterers of a wave come one after another and have one envelope.
+        let mut born_s = f64::NAN;
         breaking.each(self.stretch.patch, lasts_s, |riding| {
             smooth = smooth && self.at_nodes(riding, nodes, amplitude);
             if smooth {
-                for pulse in 0..pulses {
+                if riding.breaker.born_s != born_s {
+                    born_s = riding.breaker.born_s;
+                    for (envelope, &elapsed_s) in envelope.iter_mut().zip(self.elapsed_s) {
+                        *envelope = riding.breaker.envelope(elapsed_s);
+                    }
+                }
+                for (pulse, &envelope) in envelope.iter().enumerate().filter(|(_, envelope)| **envelope > 0.0)
+                {
                     let from = (pulse * alive + number) * pairs;
-                    self.at_pulse(riding, pulse, nodes, &mut factors[from..from + pairs]);
+                    let factors = &mut factors[from..from + pairs];
+                    self.at_pulse(riding, (pulse, envelope), factors);
                 }
             }
             number += 1;
@@ -245,35 +291,34 @@ impl Making<'_> {
     }
 
     /// Gains, envelope and visibility of the breaker that was appended last, by pair.
-    fn at_pulse(&self, riding: &Riding, pulse: usize, nodes: &[ScattererPaths], factors: &mut [f64]) {
+    fn at_pulse(&self, riding: &Riding, (pulse, envelope): (usize, f64), factors: &mut [f64]) {
         let Self { of, stretch, tiles, emissions, .. } = *self;
-        let elapsed_s = self.elapsed_s[pulse];
-        let envelope = riding.breaker.envelope(elapsed_s);
-        if envelope == 0.0 {
-            return;
-        }
-        let moves = Moves::of(riding, self.earth(), elapsed_s);
+        let moves = Moves::of(riding, self.earth(), self.elapsed_s[pulse]);
         let patch = stretch.patch;
         for ((pair, plan), factor) in of.plans.iter().enumerate().zip(factors) {
-            // Light time moves antennas by metres, and its change within the stretch by next to nothing.
-            let delay_s = nodes[0].delay_s[pair].last().copied().unwrap_or_default();
+            // Light time moves breakers by centimetres at most.
+            let [tx, rx] = &self.sights[pulse * of.plans.len() + pair];
+            let place = moves.position.raw();
             let ends = self.ends(plan);
-            let [tx, rx] = ends.map(|end| &emissions[pulse].centres[end]);
-            let meets = moves.position.raw() + moves.velocity.raw() * (0.5 * delay_s);
-            let sent = (meets - tx.position.raw()).normalize_or_zero();
-            let arrives = rx.position.raw() + rx.velocity.raw() * delay_s;
-            let received = (arrives - meets).normalize_or_zero();
-            let gains = of.gains_towards(plan, [sent, received], delay_s, &emissions[pulse]).re;
+            let gain = |sight: &Sight, end: usize| {
+                sight.gain(&of.antennas[end], (place - sight.position).normalize_or_zero())
+            };
+            let gains = gain(tx, ends[0]) * gain(rx, ends[1]);
             if gains == 0.0 {
                 continue;
             }
             let seen = |end: usize| {
                 let pulse = stretch.pulses.start + pulse;
-                between(patch, moves.at_m, |key| tiles.weight_at(pulse, end, patch.nearest_index(key)))
+                let seen = tiles.seen_from(end, pulse);
+                if seen.is_whole() {
+                    return 1.0;
+                }
+                between(patch, moves.at_m, |facet| seen.of(facet))
             };
             let of_tx = seen(ends[0]);
             // Antennas at one place see the same.
-            let of_rx = if tx.position == rx.position { of_tx } else { seen(ends[1]) };
+            let [tx, rx] = ends.map(|end| emissions[pulse].centres[end].position);
+            let of_rx = if tx == rx { of_tx } else { seen(ends[1]) };
             *factor = envelope * gains * of_tx * of_rx;
         }
     }
