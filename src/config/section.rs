@@ -188,6 +188,18 @@ impl<'a> Section<'a> {
         entry.is_some_and(|entry| entry.node.text() == Some(word))
     }
 
+    /// Whether a flag is set in any of the tables of an array, without a word about faults.
+    pub(super) fn any_has_flag(&self, tables: &Key, key: &Key) -> bool {
+        let Some(Value::Array(items)) = self.entry(tables.name).map(|entry| &entry.node.value) else {
+            return false;
+        };
+        items
+            .iter()
+            .filter_map(Node::table)
+            .flatten()
+            .any(|entry| entry.name == key.name && matches!(entry.node.value, Value::Flag(true)))
+    }
+
     /// A number of a table of this table, without a word about faults.
     pub(super) fn peek_in(&self, table: &Key, key: &'static Key) -> Option<f64> {
         let Kind::Section(of) = table.kind else { return None };

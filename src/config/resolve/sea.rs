@@ -37,7 +37,6 @@ pub(super) fn sea(
     let wind = wind(&section);
     let spectrum = spectrum(&section);
     let dispersion = dispersion(&section);
-    let waves = waves(&section);
     let permittivity = permittivity(&section, carrier_hz);
     let temperature_c = section.number(&keys::sea::TEMPERATURE_C);
     let salinity_psu = section.number(&keys::sea::SALINITY_PSU);
@@ -45,11 +44,7 @@ pub(super) fn sea(
     let scattering = section
         .section_or_empty(&keys::sea::SCATTERING)
         .and_then(|section| scattering(section, permittivity));
-    if waves == Some(Waves::Choppy) && scattering.is_some_and(|scattering| !scattering.displacement) {
-        let error = "crests are sharp because facets follow the horizontal motion; allowed: waves = \"linear\", or \
-                     scattering.displacement = true";
-        section.fault(&keys::sea::WAVES, Problem::Refused { error: error.to_owned() });
-    }
+    let waves = waves(root, &section, scattering.as_ref());
     let shadow = section.section_or_empty(&keys::sea::SHADOW).and_then(|section| shadow(section, pri_s));
     section.finish();
     let water = Water {
@@ -200,13 +195,21 @@ fn dispersion(section: &Section<'_>) -> Option<Dispersion> {
     Some(Dispersion { capillary: capillary?, depth_m })
 }
 
-/// Whether waves are choppy, which takes deep water.
-fn waves(section: &Section<'_>) -> Option<Waves> {
+/// Whether waves are choppy: unless set, wherever nothing asks for what choppy waves cannot do.
+fn waves(root: &Section<'_>, section: &Section<'_>, scattering: Option<&FacetScattering>) -> Option<Waves> {
     use keys::sea::{DEPTH_M, WAVES};
-    if section.choice(&WAVES)? == "linear" {
+    let moves = scattering.is_none_or(|scattering| scattering.displacement);
+    let floats = root.any_has_flag(&keys::root::TARGET, &keys::target::FLOATING);
+    let suits = moves && !floats && !section.has(&DEPTH_M);
+    if section.choice_or(&WAVES, if suits { "choppy" } else { "linear" })? == "linear" {
         return Some(Waves::Linear);
     }
     section.idle(&[&DEPTH_M], "waves = \"choppy\": those of second order are known for deep water");
+    if !moves {
+        let error = "crests are sharp because facets follow the horizontal motion; allowed: waves = \"linear\", or \
+                     scattering.displacement = true";
+        section.fault(&WAVES, Problem::Refused { error: error.to_owned() });
+    }
     Some(Waves::Choppy)
 }
 
