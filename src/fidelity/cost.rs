@@ -14,7 +14,7 @@
 //! | transform | channels x M log2 M | transform |
 //! | exact | facets x pairs, where every pulse is by itself | scatterer paths |
 //! | rest | channels x M log2 M | record, receive |
-//! | points | targets, direct paths, and panels of ships as far as they cost as much, x pairs | fill, spread |
+//! | points | targets, direct paths, and panels of ships, breakers and rain as far as they cost as much, x pairs | fill, spread |
 //! | lines | facets x pairs, and as many as `LINES` in a block, where Bragg waves travel | scatterer paths |
 //!
 //! Sidelobe tiles have 2 nodes, 2 or 3 scattering epochs and fewer gain epochs; the gains of all tiles are
@@ -33,16 +33,17 @@ use crate::scene::{Scene, Sea};
 
 use crate::fidelity::echo_settings::EchoSettings;
 
-/// What a breaking wave, and a point that stands for rain, take over a point: their path is found for every
-/// pulse, once; for rain, boxes are split on the way to it.
-const BREAKER: f64 = 0.2;
+/// What a scatterer of a breaking wave takes over a point, of a stretch and by itself, and a point that stands for
+/// rain, for which boxes are split on the way to it.
+const BREAKER: f64 = 0.015;
+const BREAKER_EXACT: f64 = 0.2;
 const DROP: f64 = 8.0;
 /// What a panel of a ship takes over a point at every pulse, at a node, and by itself.
 const PANEL: f64 = 0.006;
 const PANEL_AT_NODE: f64 = 0.03;
 const PANEL_EXACT: f64 = 0.2;
 /// Pulses for which turning a facet costs as much as finding its lines and components.
-const LINES: f64 = 60.0;
+const LINES: f64 = 20.0;
 /// The same of finding phasors one by one.
 const LINES_EXACT: f64 = 300.0;
 /// Pieces of work.
@@ -108,6 +109,10 @@ impl CostTable {
 pub struct Size {
     facets: f64,
     points: f64,
+    /// Scatterers of breaking waves that are alive.
+    breakers: f64,
+    /// Whether they are found by stretches: all gains are real.
+    stretches: bool,
     /// Panels and double bounces of ships.
     panels: f64,
     pairs: f64,
@@ -151,10 +156,11 @@ impl Size {
         let moments = if settings.doppler == Doppler::Taylor { 2.0 } else { 1.0 };
         Self {
             facets: generator.facets() as f64,
+            breakers: generator.breakers_alive(),
+            stretches: generator.gains_are_real(),
             // Those with an aspect are evaluated for it once more.
             panels: generator.ship_paths() as f64,
             points: generator.target_count() as f64 * if generator.follows_aspects() { 2.0 } else { 1.0 }
-                + BREAKER * generator.breakers_alive()
                 + DROP * generator.drops(),
             pairs,
             travelling: if scene.sea.as_ref().is_none_or(frozen) { 0.0 } else { pairs },
@@ -177,6 +183,7 @@ impl Size {
         let Self {
             facets,
             points,
+            breakers,
             panels,
             pairs,
             travelling,
@@ -204,7 +211,7 @@ impl Size {
             let mut work = [0.0; PIECES];
             let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
             (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, facets * pairs);
-            let points = points + PANEL_EXACT * panels;
+            let points = points + PANEL_EXACT * panels + BREAKER_EXACT * breakers;
             (work[11], work[12], work[13]) = (rest, points * pairs, LINES_EXACT * facets * travelling);
             return Work(work);
         }
@@ -223,6 +230,7 @@ impl Size {
         let few_epochs = chosen.sidelobe.map_or(0.0, |sidelobe| sidelobe.epochs as f64);
         let [nodes, few] = [NODES, SIDELOBE_NODES].map(|n| n as f64);
         let parts = (pulses / (3 * chosen.panel_pulses.unwrap_or(1) + 1) as f64).ceil();
+        let each_breaker = if self.stretches { BREAKER } else { BREAKER_EXACT };
         let of_panel = PANEL + PANEL_AT_NODE * (nodes * parts / pulses).min(1.0);
         Work([
             per_block(nodes * surface),
@@ -237,7 +245,7 @@ impl Size {
             transform,
             0.0,
             rest,
-            (points + panels * of_panel) * pairs,
+            (points + panels * of_panel + each_breaker * breakers) * pairs,
             again * facets * travelling * (1.0 + LINES / pulses),
         ])
     }

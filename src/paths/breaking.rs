@@ -48,6 +48,9 @@ pub(super) struct BreakingPlan {
     land: Option<Arc<Dem>>,
     /// Sides of the squares in which patches of one region begin, facets.
     sides: [i64; 2],
+    /// Scatterers of a slot in a region, mean, and regions of a slot that are kept.
+    of_slot: f64,
+    kept_slots: usize,
     grid: Grid,
     evaluator: OneAtATime<Evaluator<f32>>,
     /// The waves of the whole grid in the middle of a slot.
@@ -90,7 +93,7 @@ impl BreakingPlan {
         let sides = if follows { patch.facets.map(side) } else { [1; 2] };
         let of_slot = law.births_per_m2_s() * SLOT_S * region(patch, sides, [0; 2]).len() as f64;
         let of_slot = of_slot * patch.facet_m * patch.facet_m;
-        let kept = (MOST_KEPT / of_slot) as usize;
+        let kept_slots = ((MOST_KEPT / of_slot) as usize).clamp(*KEPT.start(), *KEPT.end());
         let room = room(of_slot);
         Ok(Self {
             law,
@@ -103,7 +106,9 @@ impl BreakingPlan {
             surfaces: Kept::new(if follows { SURFACES } else { 1 }, || {
                 Fields::new(surface.grid(), Selection::HEIGHT)
             }),
-            found: Kept::new(kept.clamp(*KEPT.start(), *KEPT.end()), || Vec::with_capacity(room)),
+            of_slot,
+            kept_slots,
+            found: Kept::new(kept_slots, || Vec::with_capacity(room)),
         })
     }
 
@@ -117,9 +122,19 @@ impl BreakingPlan {
         self.law.alive_per_m2() * self.patch_m2
     }
 
-    /// Breakers for which there is room beforehand: those that are alive at any instant of so many seconds.
+    /// Scatterers that are alive at any instant of so many seconds, mean.
+    pub fn within(&self, lasts_s: f64) -> f64 {
+        self.alive() + self.law.births_per_m2_s() * self.patch_m2 * lasts_s
+    }
+
+    /// Scatterers for which there is room beforehand: those that are alive at any instant of so many seconds.
     pub fn room(&self, lasts_s: f64) -> usize {
-        room(self.alive() + self.law.births_per_m2_s() * self.patch_m2 * lasts_s)
+        room(self.within(lasts_s))
+    }
+
+    /// About what all slots that are kept take, bytes.
+    pub fn kept_bytes(&self) -> u64 {
+        (self.kept_slots as f64 * self.of_slot) as u64 * size_of::<Riding>() as u64
     }
 
     /// What breaks in a slot on a region.

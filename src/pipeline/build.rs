@@ -130,6 +130,13 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     Ok(stream)
 }
 
+/// What is wrong if the sea takes more than the system can give.
+fn too_much(scene: &crate::scene::Scene, threads: usize, needed: u64) -> Option<BuildError> {
+    let available = available_bytes().filter(|available| needed > *available)?;
+    let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len());
+    Some(BuildError::Memory { facets, threads, needed_mib: needed >> 20, available_mib: available >> 20 })
+}
+
 /// Faults of outputs and of the pulses that are asked.
 fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
     let mut faults: Vec<BuildError> =
@@ -154,16 +161,7 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         n => n,
     };
     let needed = sea_bytes(scene, &run.fidelity, threads);
-    if let Some(available) = available_bytes().filter(|available| needed > *available) {
-        let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len());
-        faults.push(BuildError::Memory {
-            facets,
-            threads,
-            needed_mib: needed >> 20,
-            available_mib: available >> 20,
-        });
-        return Err(BuildErrors(faults));
-    }
+    faults.extend(too_much(scene, threads, needed));
     let changes = changing::list(run);
     let built = tracks(&run.nav, scene).and_then(|(tracks, notes)| {
         faults.extend(plausible::faults(run, &tracks));
@@ -200,6 +198,11 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
             return Err(BuildErrors(faults));
         }
     };
+    let needed = needed.saturating_add(factory.breaker_bytes(threads));
+    if let Some(fault) = too_much(scene, threads, needed) {
+        faults.push(fault);
+        return Err(BuildErrors(faults));
+    }
     let of_ships = factory.ship_bytes(threads);
     if let Some(available) = available_bytes().filter(|available| of_ships > *available) {
         faults.push(BuildError::ShipMemory {

@@ -9,6 +9,7 @@
 //! | shadows of a patch that follows, and of choppy waves, of a worker of the fast echo | [`FOLLOW_FACET_BYTES`] a facet |
 //! | ships that echo by their mesh, shared | [`SHARED_PATH_BYTES`] a panel or double bounce |
 //! | the same of a worker | nodes and factors of a block, `path_bytes` each |
+//! | scatterers of breaking waves | the same, and those that are kept for all workers |
 //! | grids of a worker | pulses of a block x cells x 2 floats a channel |
 //! | ring and queues | pulses that wait x bytes of a pulse |
 //!
@@ -53,10 +54,10 @@ pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
 /// and what the plan of the run follows of it.
 pub const SHARED_PATH_BYTES: u64 = 1500;
 
-/// Of a worker, a path of a ship's mesh, bytes: in lists of a delay, a rate and an amplitude, and its factors in
-/// some pulses.
+/// Of a worker, a path of a ship's mesh or a scatterer of a breaking wave, bytes: in lists of a delay, a rate and an
+/// amplitude, and its factors in some pulses, in double and single precision.
 pub(crate) fn path_bytes([pairs, channels]: [usize; 2], lists: usize, pulses: usize) -> u64 {
-    (lists * (8 + 16 * pairs + 16 * channels) + 8 * pairs * pulses) as u64
+    (lists * (8 + 16 * pairs + 16 * channels) + 12 * pairs * pulses) as u64
 }
 
 /// Memory that the system says it can give, bytes; `None` where it does not say.

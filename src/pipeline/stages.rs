@@ -205,6 +205,16 @@ impl PulseFactory {
         (self.ship_paths() as u64).saturating_mul(each.saturating_add(memory::SHARED_PATH_BYTES))
     }
 
+    /// About what breaking waves take with so many workers, bytes: lists of paths and factors of a block, and those
+    /// that are kept for all.
+    pub(crate) fn breaker_bytes(&self, threads: usize) -> u64 {
+        let pulses = self.block_pulses();
+        let lists = if matches!(self.echo, Echo::Fast(_)) { NODES + 1 } else { 1 };
+        let (count, kept) = self.generator.breakers_within(pulses);
+        let each = memory::path_bytes([self.layout.pairs, self.echo_channels()], lists, pulses as usize);
+        kept.saturating_add((count as u64).saturating_mul(each.saturating_mul(threads as u64)))
+    }
+
     /// Facets of the patch of sea; 0 without one.
     pub fn facets(&self) -> usize {
         self.generator.facets()

@@ -195,13 +195,13 @@ pub enum SeaFault {
         /// Most.
         most: usize,
     },
-    /// More breaking waves than are followed.
+    /// More scatterers of breaking waves than are followed.
     #[error(
-        "sea.scattering.breaking = \"whitecaps\": {alive:.0} waves break at a time on a patch of {patch_m2:.2e} m^2; \
-         at most {most:.0} and {most_m2:.0e} m^2 are allowed; a smaller patch, or breaking = \"off\""
+        "sea.scattering.breaking = \"whitecaps\": {alive:.0} scatterers of breaking waves are alive at a time on a patch of \
+         {patch_m2:.2e} m^2; at most {most:.0} and {most_m2:.0e} m^2 are allowed; a smaller patch, or breaking = \"off\""
     )]
     Breakers {
-        /// That break at a time.
+        /// That are alive at a time, mean.
         alive: f64,
         /// Most.
         most: f64,

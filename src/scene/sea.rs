@@ -65,9 +65,9 @@ pub enum Averaging {
 #[non_exhaustive]
 pub enum Waves {
     /// Linear: crests and troughs alike, facets of equal area.
-    #[default]
     Linear,
     /// Sharp crests and flat troughs, facets that crowd on crests (`sea::surface::choppy`).
+    #[default]
     Choppy,
 }
 
@@ -141,9 +141,9 @@ impl Default for FacetScattering {
 #[non_exhaustive]
 pub enum Breaking {
     /// None does.
-    #[default]
     Off,
     /// As much of the sea as whitecaps cover (`sea::breaking`).
+    #[default]
     Whitecaps,
 }
 
@@ -197,17 +197,22 @@ pub enum BraggWaves {
 }
 
 /// Whether long waves modulate the Bragg waves of a facet.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Modulation {
     /// All facets are as rough.
-    #[default]
     Off,
     /// Short waves gain where the surface contracts, and relax (`sea::surface::modulation`).
     Relaxation {
         /// Relaxation rate, 1/s; `None` for that of their growth in the wind.
         rate_per_s: Option<f64>,
     },
+}
+
+impl Default for Modulation {
+    fn default() -> Self {
+        Self::Relaxation { rate_per_s: None }
+    }
 }
 
 impl BraggWaves {

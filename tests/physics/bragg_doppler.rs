@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use nereus::paths::PathGenerator;
 use nereus::scene::radar::{Gate, Polarisation, Window};
-use nereus::scene::sea::{BraggWaves, FacetScattering, Modulation};
+use nereus::scene::sea::{BraggWaves, Breaking, FacetScattering, Modulation};
 use nereus::scene::water::{SpectrumKind, Spreading, WindStrength};
 use nereus::scene::{Scene, Sea};
 use nereus::time::PulseTimes;
@@ -194,7 +194,8 @@ fn centroids_hz(incidence_deg: f64, towards_deg: f64, of: (BraggWaves, Modulatio
     for seed in 1..=2 {
         let mut sea = sea(64, 2.0, towards_deg.to_radians());
         sea.water.wind.strength = WindStrength::Speed { speed_mps: 7.0, height_m: 10.0 };
-        sea.scattering = FacetScattering { bragg, modulation, ..FacetScattering::default() };
+        sea.scattering =
+            FacetScattering { bragg, modulation, breaking: Breaking::Off, ..FacetScattering::default() };
         let mut scene = from_east(sea, 1.0 / lag_s);
         (scene.seed, scene.pulses, scene.radar.carrier_hz) = (seed, 20_000, 5.331e9);
         scene.radar.channels =

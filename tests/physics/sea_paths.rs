@@ -32,8 +32,13 @@ pub fn sea(n: usize, facet_m: f64, direction_rad: f64) -> Sea {
         realisation: Realisation::Drawn { averaging: Averaging::Automatic },
         patch: Patch::new([side_m, side_m], facet_m, [0.0, 0.0]).unwrap(),
         place: PatchPlace::Fixed,
-        waves: Default::default(),
-        scattering: FacetScattering { tilt_average: false, ..FacetScattering::default() },
+        waves: Waves::Linear,
+        scattering: FacetScattering {
+            tilt_average: false,
+            breaking: Breaking::Off,
+            modulation: Modulation::Off,
+            ..FacetScattering::default()
+        },
         shadow: None,
         slicks: Vec::new(),
         land: None,

@@ -13,6 +13,11 @@ use crate::scene::water::{
 };
 use crate::scene::{Patch, Sea, Water};
 
+/// Facets up to which, m, and patches up to which, m^2, waves break unless set: a gale has 0.14 scatterers of breaking
+/// waves a square metre.
+const BREAKING_FACET_M: f64 = 4.0;
+const BREAKING_AREA_M2: f64 = 7e6;
+
 /// Time between updates of shadows that is aimed at where none is given, s.
 const UPDATE_S: f64 = 0.02;
 
@@ -43,7 +48,7 @@ pub(super) fn sea(
     let realisation = realisation(&section);
     let scattering = section
         .section_or_empty(&keys::sea::SCATTERING)
-        .and_then(|section| scattering(section, permittivity));
+        .and_then(|section| scattering(section, permittivity, patch.as_ref()));
     let waves = waves(root, &section, scattering.as_ref());
     let shadow = section.section_or_empty(&keys::sea::SHADOW).and_then(|section| shadow(section, pri_s));
     section.finish();
@@ -249,7 +254,11 @@ fn realisation(section: &Section<'_>) -> Option<Realisation> {
     Some(Realisation::Drawn { averaging })
 }
 
-fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Option<FacetScattering> {
+fn scattering(
+    section: Section<'_>,
+    permittivity: Option<Permittivity>,
+    patch: Option<&Patch>,
+) -> Option<FacetScattering> {
     use keys::scattering::{
         BRAGG, BREAKING, CUT_RADPM, DECORRELATION_MS, DISPLACEMENT, DRIFT_DEG, DRIFT_SHARE, GRAM_CHARLIER,
         LIGHT_WIND, MODULATION, PHASES, RELAXATION_PER_S, SPLITTING, TILT_AVERAGE,
@@ -280,7 +289,12 @@ fn scattering(section: Section<'_>, permittivity: Option<Permittivity>) -> Optio
             "phases = \"single\": one phase for waves of both lines; set phases = \"polcoherent\"",
         );
     }
-    let breaking = section.choice(&BREAKING);
+    // In any wind no more than are allowed, and hardly more than facets.
+    let few = patch.is_none_or(|patch| {
+        let area_m2 = patch.len() as f64 * patch.facet_m * patch.facet_m;
+        patch.facet_m <= BREAKING_FACET_M && area_m2 <= BREAKING_AREA_M2
+    });
+    let breaking = section.choice_or(&BREAKING, if few { "whitecaps" } else { "off" });
     let light_wind = section.choice(&LIGHT_WIND);
     let [gram_charlier, displacement] = [&GRAM_CHARLIER, &DISPLACEMENT].map(|key| section.flag(key));
     // The paper's slope density already holds the tilts.

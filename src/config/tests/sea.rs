@@ -129,7 +129,7 @@ fn every_corner_of_the_ranges_of_a_swell_is_a_swell() {
 #[test]
 fn defaults_are_those_of_the_descriptions() {
     let sea = with_sea("{ wind_mps = 7, wind_towards_deg = 90 }");
-    assert_eq!(sea.scattering, FacetScattering::default());
+    assert_eq!((sea.waves, sea.scattering), (Waves::default(), FacetScattering::default()));
     // Ten pulses of a radar at 222 Hz; fewer would be nearer to the 20 ms of the description.
     let update_s = 10.0 * (1.0 / 222.0);
     assert_eq!(sea.shadow, Some(Shadowing { update_s, ..Shadowing::default() }));
@@ -165,10 +165,10 @@ fn defaults_are_those_of_the_descriptions() {
 fn every_setting_arrives() {
     let sea = with_sea(
         "{ wind_ustar_mps = 0.36, wind_profile = 'wu', wind_from_deg = 240, spectrum = 'elfouhaily-fung-lee', \
-         inverse_wave_age = 1.5, capillary = true, depth_m = 20, temperature_c = 4, salinity_psu = 10, \
+         inverse_wave_age = 1.5, capillary = true, depth_m = 20, waves = 'linear', temperature_c = 4, salinity_psu = 10, \
          permittivity = 'klein-swift', averaging = 'cells', \
          scattering = { splitting = 'mars2007', phases = 'single', cut_radpm = 70, gram_charlier = true, light_wind = 'published', \
-         decorrelation_ms = 8, displacement = false }, shadow = { edge = 'sharp', rays_per_facet = 3, update_ms = 5 } }",
+         breaking = 'off', modulation = 'off', decorrelation_ms = 8, displacement = false }, shadow = { edge = 'sharp', rays_per_facet = 3, update_ms = 5 } }",
     );
     assert_eq!(sea.water.wind.strength, WindStrength::FrictionVelocity { ustar_mps: 0.36 });
     assert_eq!(sea.water.wind.profile, WindProfile::Wu);
@@ -205,11 +205,37 @@ fn every_setting_arrives() {
         bragg(&[travelling, ("sea.scattering.drift_share", "0"), ("sea.scattering.drift_deg", "-90")]),
         BraggWaves::Travelling { drift_share: 0.0, drift_turn_rad: -std::f64::consts::FRAC_PI_2 }
     );
-    assert_eq!(sea_of(&[]).waves, Waves::Linear);
-    assert_eq!(sea_of(&[("sea.waves", "choppy")]).waves, Waves::Choppy);
+    let waves = |list: &[(&str, &str)]| sea_of(list).waves;
+    assert_eq!([waves(&[]), waves(&[("sea.waves", "linear")])], [Waves::Choppy, Waves::Linear]);
+    // What choppy waves cannot do is asked for.
+    assert_eq!(waves(&[("sea.depth_m", "20")]), Waves::Linear);
+    assert_eq!(waves(&[("sea.scattering.displacement", "false")]), Waves::Linear);
+    assert_eq!(
+        waves(&[("target", "[{ position_m = [0, 0, 1], rcs_m2 = 1, floating = true }]")]),
+        Waves::Linear
+    );
+    assert_eq!(
+        waves(&[("target", "[{ position_m = [0, 0, 1], rcs_m2 = 1, floating = false }]")]),
+        Waves::Choppy
+    );
+    let breaking = |list: &[(&str, &str)]| sea_of(list).scattering.breaking;
+    assert_eq!(
+        [breaking(&[]), breaking(&[("sea.scattering.breaking", "off")])],
+        [Breaking::Whitecaps, Breaking::Off]
+    );
+    let large = [("scene.facet_m", "4"), ("scene.patch_size_m", "[2640, 2640]")];
+    assert_eq!(breaking(&large), Breaking::Whitecaps);
+    // More scatterers than facets in a gale, or than are allowed.
+    let coarse = [("scene.facet_m", "5"), ("scene.patch_size_m", "[500, 500]")];
+    assert_eq!(breaking(&coarse), Breaking::Off);
+    let larger = [large[0], ("scene.patch_size_m", "[2656, 2656]")];
+    assert_eq!(breaking(&larger), Breaking::Off);
+    let asked = ("sea.scattering.breaking", "whitecaps");
+    assert_eq!(breaking(&[coarse[0], coarse[1], asked]), Breaking::Whitecaps);
     let modulation = |list: &[(&str, &str)]| sea_of(list).scattering.modulation;
     let relaxation = ("sea.scattering.modulation", "relaxation");
-    assert_eq!(modulation(&[]), Modulation::Off);
+    assert_eq!(modulation(&[("sea.scattering.modulation", "off")]), Modulation::Off);
+    assert_eq!(modulation(&[]), Modulation::Relaxation { rate_per_s: None });
     assert_eq!(modulation(&[relaxation]), Modulation::Relaxation { rate_per_s: None });
     assert_eq!(
         modulation(&[relaxation, ("sea.scattering.relaxation_per_s", "0.5")]),
@@ -388,7 +414,7 @@ sea.scattering.drift_share: has no meaning here (bragg = "frozen")
 sea.scattering.drift_deg: has no meaning here (bragg = "frozen")
 "#);
     insta::assert_snapshot!(faults(&[("sea.scattering.bragg", "travelling"), ("sea.scattering.phases", "single")]), @r#"sea.scattering.bragg: has no meaning here (phases = "single": one phase for waves of both lines; set phases = "polcoherent")"#);
-    insta::assert_snapshot!(faults(&[("sea.scattering.relaxation_per_s", "0")]), @r#"
+    insta::assert_snapshot!(faults(&[("sea.scattering.modulation", "off"), ("sea.scattering.relaxation_per_s", "0")]), @r#"
 sea.scattering.relaxation_per_s: 0 is out of range; allowed: a number from 0.01 to 1000 1/s
 sea.scattering.relaxation_per_s: has no meaning here (modulation = "off")
 "#);

@@ -3,7 +3,7 @@
 //!
 //! Gains of antennas that are real numbers can be left out of the amplitudes, so that what is left changes as
 //! slowly as panels turn: they multiply it at every pulse then, with the share that is not hidden
-//! ([`PathGenerator::panel_factors`]), and are never interpolated.
+//! ([`crate::paths::block`]), and are never interpolated.
 
 use std::f64::consts::TAU;
 

@@ -75,12 +75,20 @@ impl Moves {
 }
 
 impl PathGenerator {
-    /// Breaking waves that are alive at a time, mean; 0 where none breaks.
+    /// Scatterers of breaking waves that are alive at a time, mean; 0 where none breaks.
     pub fn breakers_alive(&self) -> f64 {
         self.sea.as_ref().and_then(|sea| sea.breaking.as_ref()).map_or(0.0, BreakingPlan::alive)
     }
 
-    /// Breaking waves for which there is room beforehand in a stretch of so many pulses.
+    /// Scatterers of breaking waves that are alive at any instant of so many pulses, mean, and bytes of those that
+    /// are kept for all threads.
+    pub fn breakers_within(&self, pulses: u64) -> (f64, u64) {
+        let lasts_s = self.radar.emissions.interval_s(0, pulses);
+        let breaking = self.sea.as_ref().and_then(|sea| sea.breaking.as_ref());
+        breaking.map_or((0.0, 0), |of| (of.within(lasts_s), of.kept_bytes()))
+    }
+
+    /// Scatterers of breaking waves for which there is room beforehand in a stretch of so many pulses.
     pub fn breakers_room(&self, pulses: usize) -> usize {
         let lasts_s = self.radar.emissions.interval_s(0, pulses as u64);
         self.sea.as_ref().and_then(|sea| sea.breaking.as_ref()).map_or(0, |of| of.room(lasts_s))

@@ -102,6 +102,11 @@ fn turns(from: &Path, to: &Path) -> bool {
 }
 
 impl PathGenerator {
+    /// Whether breaking waves are found by stretches.
+    pub fn gains_are_real(&self) -> bool {
+        self.antennas.iter().all(Antenna::is_real)
+    }
+
     /// Fills `nodes` with the breaking waves of a stretch at its nodes, and `factors`, `[pulse][path][pair]`,
     /// with what multiplies their amplitudes; returns whether they are smooth enough.
     ///
@@ -121,7 +126,7 @@ impl PathGenerator {
         else {
             return Ok(true);
         };
-        if !self.antennas.iter().all(Antenna::is_real) {
+        if !self.gains_are_real() {
             return Ok(false);
         }
         let Workspace { stretch: Buffers { emissions, elapsed_s, envelope, sights }, amplitude, .. } =
@@ -226,12 +231,13 @@ impl Making<'_> {
         factors.resize(pulses * alive * pairs, 0.0);
         let (mut smooth, mut number) = (true, 0);
         // Scatterers of a wave come one after another and have one envelope.
-        let mut born_s = f64::NAN;
+        let mut last = [f64::NAN; 2];
         breaking.each(self.stretch.patch, lasts_s, |riding| {
             smooth = smooth && self.at_nodes(riding, nodes, amplitude);
             if smooth {
-                if riding.breaker.born_s != born_s {
-                    born_s = riding.breaker.born_s;
+                let own = [riding.breaker.born_s, riding.breaker.life_s];
+                if own != last {
+                    last = own;
                     for (envelope, &elapsed_s) in envelope.iter_mut().zip(self.elapsed_s) {
                         *envelope = riding.breaker.envelope(elapsed_s);
                     }

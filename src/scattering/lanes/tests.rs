@@ -6,7 +6,7 @@ use crate::geometry::bistatic::Basis;
 use crate::scattering::facets::Facets;
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::sea::{
-    FacetScattering, Modulation, PatchPlace, Realisation, SlickRegion, SlickShape, Splitting,
+    FacetScattering, Modulation, PatchPlace, Realisation, SlickRegion, SlickShape, Splitting, Waves,
 };
 use crate::scene::water::{
     Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
@@ -37,7 +37,7 @@ fn sea(scattering: FacetScattering) -> Sea {
         realisation: Realisation::Drawn { averaging: Default::default() },
         patch: Patch::new([16.0, 16.0], 1.0, [0.0, 0.0]).unwrap(),
         place: PatchPlace::Fixed,
-        waves: Default::default(),
+        waves: Waves::Linear,
         scattering,
         shadow: None,
         slicks: vec![SlickRegion {
@@ -147,7 +147,7 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
 /// grazing the cosine itself, of 1e-2 and less, is rounded at 6e-8.
 #[test]
 fn as_in_f64() {
-    let scattering = FacetScattering::default;
+    let scattering = || FacetScattering { modulation: Modulation::Off, ..FacetScattering::default() };
     for (name, carrier_hz, kind, angles) in [
         ("X, 45 deg", 10e9, 0, [0.785, 0.785]),
         ("X, slick", 10e9, 1, [0.785, 0.785]),
