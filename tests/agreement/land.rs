@@ -206,7 +206,12 @@ fn land_hides_ships() {
     let ship = "[{ name = 'tug', hull = 'wigley', beam_m = 5.0, draught_m = 2.0, length_m = 20.0, position_m = [2080.0, 0.0], speed_mps = 0.0, heading_deg = 40.0, \
                 wake = false, turbulent = false, echo = true, panel_m = 2.0 }]";
     let power_w = |ship: &str, height_m: fn([f64; 2]) -> f64| {
-        let settings = [AT_REST, FIXED, ("sea.wind_mps", "3.0"), ("ship", ship)];
+        let plain = [
+            ("sea.waves", "linear"),
+            ("sea.scattering.modulation", "off"),
+            ("sea.scattering.breaking", "off"),
+        ];
+        let settings = [&[AT_REST, FIXED, ("sea.wind_mps", "3.0"), ("ship", ship)][..], &plain].concat();
         let paths = paths(&scene(&settings, height_m));
         let delays_s = [2060.0f64, 2100.0].map(|x| 2.0 * x.hypot(300.0) / C_MPS);
         let of = paths.delay_s[0].iter().zip(&paths.amplitude[0]);

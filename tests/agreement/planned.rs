@@ -71,7 +71,8 @@ fn from_orbit() {
 
 #[test]
 fn short_range_at_ka_band() {
-    holds("tests/data/scenarios/drone.toml", &[], &[]);
+    // At -30 most of the prediction is the bound on what the facets return that are left out.
+    holds("tests/data/scenarios/drone.toml", &[], &[-30.0]);
 }
 
 /// Two targets, followed through all pulses: the worst one is where the beam sweeps over them, or their
