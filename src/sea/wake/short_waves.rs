@@ -276,8 +276,13 @@ impl ShortWaves {
             let c = t / (1.0 + 2.0 * t * t);
             let off_m = ((y_m - c * x_m).abs() - c * self.half_m) / (1.0 + c * c).sqrt();
             let reach_m = self.reach_m(x_m, t);
-            let beyond = ((off_m - reach_m[0]) / (reach_m[1] - reach_m[0])).clamp(0.0, 1.0);
-            let mut weight = 0.5 + 0.5 * (PI * beyond).cos();
+            if off_m >= reach_m[1] {
+                continue;
+            }
+            let mut weight = 1.0;
+            if off_m > reach_m[0] {
+                weight = 0.5 + 0.5 * (PI * (off_m - reach_m[0]) / (reach_m[1] - reach_m[0])).cos();
+            }
             let k = self.k0_radpm * sec2;
             if self.losses.viscosity_m2ps > 0.0 {
                 let age_s = x_m.max(0.0) / (self.course.speed_mps * (1.0 - 0.5 / sec2));
@@ -298,7 +303,7 @@ impl ShortWaves {
     /// `|dy/dky|` (of short waves; near the cusp a bound).
     fn reach_m(&self, x_m: f64, t: f64) -> [f64; 2] {
         let bend = 1.0 + 2.0 * t * t;
-        let fresnel_m = (x_m.max(0.0) * t.hypot(1.0) / self.k0_radpm).sqrt() / bend;
+        let fresnel_m = (x_m.max(0.0) * (1.0 + t * t).sqrt() / self.k0_radpm).sqrt() / bend;
         PLACE_REACH.map(|[deviations, widths]| deviations * self.place_m + widths * fresnel_m)
     }
 
