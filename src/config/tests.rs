@@ -21,6 +21,7 @@ mod navigation;
 mod errors;
 mod faults;
 mod sea;
+mod sea_defaults;
 mod ship;
 
 const COASTAL: &str = include_str!("../../configs/coastal.toml");

@@ -187,7 +187,9 @@ fn the_map_reads_back_as_the_library_computes_it() {
     use nereus::sea::realise::realise;
 
     let folder = folder();
-    let ended = sea(folder.path(), &["--time-s", "-2.5", "--out", "sea.h5", "--set", "sea.wind_mps=9"]);
+    // Waves that the sum below knows.
+    let set = ["--set", "sea.wind_mps=9", "--set", "sea.waves=linear"];
+    let ended = sea(folder.path(), &[&["--time-s", "-2.5", "--out", "sea.h5"], &set[..]].concat());
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let file = hdf5::File::open(folder.path().join("sea.h5")).unwrap();
     let text = |place: &hdf5::Location, name: &str| {

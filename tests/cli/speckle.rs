@@ -54,6 +54,8 @@ fn speckle_over_the_wind_becomes_a_table_and_a_picture() {
         "s.toml",
         "--winds",
         "4",
+        "--set",
+        "sea.scattering.breaking=off",
         "--resamples",
         "9",
         "--test-pixels",

@@ -56,7 +56,7 @@ fn sea_with(list: &[(&str, &str)]) -> Result<Run, ConfigError> {
     parse(SEA, &in_configs(), &settings(list))
 }
 
-fn sea_of(list: &[(&str, &str)]) -> Sea {
+pub(super) fn sea_of(list: &[(&str, &str)]) -> Sea {
     sea_with(list).unwrap().scene.sea.unwrap()
 }
 
@@ -205,33 +205,6 @@ fn every_setting_arrives() {
         bragg(&[travelling, ("sea.scattering.drift_share", "0"), ("sea.scattering.drift_deg", "-90")]),
         BraggWaves::Travelling { drift_share: 0.0, drift_turn_rad: -std::f64::consts::FRAC_PI_2 }
     );
-    let waves = |list: &[(&str, &str)]| sea_of(list).waves;
-    assert_eq!([waves(&[]), waves(&[("sea.waves", "linear")])], [Waves::Choppy, Waves::Linear]);
-    // What choppy waves cannot do is asked for.
-    assert_eq!(waves(&[("sea.depth_m", "20")]), Waves::Linear);
-    assert_eq!(waves(&[("sea.scattering.displacement", "false")]), Waves::Linear);
-    assert_eq!(
-        waves(&[("target", "[{ position_m = [0, 0, 1], rcs_m2 = 1, floating = true }]")]),
-        Waves::Linear
-    );
-    assert_eq!(
-        waves(&[("target", "[{ position_m = [0, 0, 1], rcs_m2 = 1, floating = false }]")]),
-        Waves::Choppy
-    );
-    let breaking = |list: &[(&str, &str)]| sea_of(list).scattering.breaking;
-    assert_eq!(
-        [breaking(&[]), breaking(&[("sea.scattering.breaking", "off")])],
-        [Breaking::Whitecaps, Breaking::Off]
-    );
-    let large = [("scene.facet_m", "4"), ("scene.patch_size_m", "[2640, 2640]")];
-    assert_eq!(breaking(&large), Breaking::Whitecaps);
-    // More scatterers than facets in a gale, or than are allowed.
-    let coarse = [("scene.facet_m", "5"), ("scene.patch_size_m", "[500, 500]")];
-    assert_eq!(breaking(&coarse), Breaking::Off);
-    let larger = [large[0], ("scene.patch_size_m", "[2656, 2656]")];
-    assert_eq!(breaking(&larger), Breaking::Off);
-    let asked = ("sea.scattering.breaking", "whitecaps");
-    assert_eq!(breaking(&[coarse[0], coarse[1], asked]), Breaking::Whitecaps);
     let modulation = |list: &[(&str, &str)]| sea_of(list).scattering.modulation;
     let relaxation = ("sea.scattering.modulation", "relaxation");
     assert_eq!(modulation(&[("sea.scattering.modulation", "off")]), Modulation::Off);
