@@ -14,8 +14,9 @@ facet_m = 1.0
 [sea]
 wind_mps = 8.0
 wind_from_deg = 10.0
-# A facet that travels and is an average of tilts is spikier than Rayleigh: two a cell would show nothing.
-scattering = { bragg = "frozen" }
+waves = "linear"
+# Facets of a realistic sea are spikier than Rayleigh: two a cell would show nothing.
+scattering = { bragg = "frozen", breaking = "off", modulation = "off" }
 [radar]
 carrier_hz = 10e9
 sample_rate_hz = 160e6
@@ -54,8 +55,6 @@ fn speckle_over_the_wind_becomes_a_table_and_a_picture() {
         "s.toml",
         "--winds",
         "4",
-        "--set",
-        "sea.scattering.breaking=off",
         "--resamples",
         "9",
         "--test-pixels",
