@@ -116,7 +116,7 @@ impl PathGenerator {
         about.clear();
         words.clear();
         (*length, *pairs) = (self.ships.len().div_ceil(64), self.pairs.len());
-        let (mut after, mut last) = (0, 0);
+        let (mut after, mut last, mut spans) = (0, 0, 0.0);
         for index in pulses {
             let (knot, share) = Ships::knot_before(self.radar.emissions.interval_s(0, index));
             if about.is_empty() {
@@ -124,7 +124,10 @@ impl PathGenerator {
             }
             about.push(((knot - *first) as usize, share));
             (after, last) = (after.max(knot + 2), index);
+            spans = (knot - *first) as f64 + share - about[0].1;
         }
+        // As many as any block of this length may have, wherever it begins between knots.
+        words.reserve((spans.max(0.0).ceil() as usize + 3) * *pairs * *length);
         let (place, ends) = ((&self.frame, self.hills.as_deref()), &self.ends);
         let centre = |antenna: usize, time_s: f64| self.antenna_at(antenna, time_s);
         for knot in *first..after {
