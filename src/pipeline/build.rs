@@ -32,6 +32,7 @@ use crate::pulse::costs::Costs;
 use crate::pulse::log::Log;
 use crate::radar::fault::{RadarError, RadarFault};
 use crate::recording::header::Header;
+use crate::scene::Scene;
 use crate::sea::fleet::{self, FleetError};
 use crate::sea::realise::realise;
 use crate::sinks;
@@ -131,7 +132,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
 }
 
 /// What is wrong if the sea takes more than the system can give.
-fn too_much(scene: &crate::scene::Scene, threads: usize, needed: u64) -> Option<BuildError> {
+fn too_much(scene: &Scene, threads: usize, needed: u64) -> Option<BuildError> {
     let available = available_bytes().filter(|available| needed > *available)?;
     let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len());
     Some(BuildError::Memory { facets, threads, needed_mib: needed >> 20, available_mib: available >> 20 })
@@ -161,7 +162,10 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         n => n,
     };
     let needed = sea_bytes(scene, &run.fidelity, threads);
-    faults.extend(too_much(scene, threads, needed));
+    if let Some(fault) = too_much(scene, threads, needed) {
+        faults.push(fault);
+        return Err(BuildErrors(faults));
+    }
     let changes = changing::list(run);
     let built = tracks(&run.nav, scene).and_then(|(tracks, notes)| {
         faults.extend(plausible::faults(run, &tracks));

@@ -162,9 +162,7 @@ impl PathGenerator {
         made.all(breaking, nodes, (amplitude, envelope), factors)
             .map_err(|failure| self.sea_error(first, WakeError::from(failure).into()))
     }
-}
 
-impl PathGenerator {
     /// Both antennas of every pair at every pulse, the receiver when echoes of the middle of a patch arrive: over
     /// the patch that differs by microseconds.
     fn sights(&self, patch: &Patch, emissions: &[Emission], sights: &mut Vec<[Sight; 2]>) {
