@@ -15,10 +15,10 @@
 //! ```
 //!
 //! [`Scenario`] reads and runs a scenario, [`PulseStream`] is a run with its sinks in real time,
-//! [`Recording`] reads what was recorded, and [`focus()`] makes its images. [`scene`], [`config`] and [`motion`]
-//! describe a run built in Rust instead of TOML, and [`processor`] has what images are made with. What these
-//! pages leave out is the inside of the emulator: open to its own tests and tools, and free to change with
-//! every version.
+//! [`Recording`] reads what was recorded, and [`focus()`] makes its images. [`scene`], [`config`] and
+//! [`motion`] describe a run built in Rust instead of TOML, and [`processor`] has what images are made with.
+//! What these pages leave out is the inside of the emulator: open to its own tests and tools, and free to
+//! change with every version.
 //!
 //! The modules, in the order in which one may use another (a module imports only modules above it):
 //!
@@ -37,7 +37,7 @@
 //! | [`nav`] | where platforms say they are: track files, NMEA and NovAtel messages, in and out |
 //! | [`motion`] | where everything is at an instant: tracks, attitude, pointing |
 //! | [`geometry`] | light time, delay rate, polarisation bases |
-//! | [`scattering`] | what each target and facet returns;  |
+//! | [`scattering`] | what each target and facet returns |
 //! | [`radar`] | waveform, antenna, link budget, receiver |
 //! | [`paths`] | every scatterer's path of a pulse: exact, and by block |
 //! | [`echo`] | scatterer paths to samples |

@@ -4,8 +4,9 @@
 //! each is [probed](super::probe) until closer nodes cost more than what was found already. A budget at or
 //! below [`EXACT_DB`](super::budget::EXACT_DB) takes pulses one by one with exact scatterer paths in f64, and
 //! so does a scene that no candidate serves. Facets may be left out while all of them together stay
-//! [`CULLED_DB`](super::budget::CULLED_DB) below the budget. Nodes of panels of ships lie as far apart as leaves
-//! [`PANELS_DB`] below it: the price of a panel falls with that distance, what is left rises with its eighth power.
+//! [`CULLED_DB`](super::budget::CULLED_DB) below the budget. Nodes of panels of ships lie as far apart as
+//! leaves [`PANELS_DB`] below it: the price of a panel falls with that distance, what is left rises with its
+//! eighth power.
 
 use super::budget::{Budget, PANELS_DB, Plan};
 use std::sync::Arc;

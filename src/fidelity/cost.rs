@@ -33,8 +33,8 @@ use crate::scene::{Scene, Sea};
 
 use crate::fidelity::echo_settings::EchoSettings;
 
-/// What a scatterer of a breaking wave takes over a point, of a stretch and by itself, and a point that stands for
-/// rain, for which boxes are split on the way to it.
+/// What a scatterer of a breaking wave takes over a point, of a stretch and by itself, and a point that
+/// stands for rain, for which boxes are split on the way to it.
 const BREAKER: f64 = 0.015;
 const BREAKER_EXACT: f64 = 0.2;
 const DROP: f64 = 8.0;

@@ -20,8 +20,8 @@ use glam::DVec3;
 
 /// Triangles of a leaf, at most.
 const LEAF: usize = 4;
-/// A ray starts this far off its own triangle, m, and boxes are as much larger than what is in them: rays along
-/// their sides are within.
+/// A ray starts this far off its own triangle, m, and boxes are as much larger than what is in them: rays
+/// along their sides are within.
 const OFF_M: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug)]
@@ -115,8 +115,8 @@ impl Triangles {
         met
     }
 
-    /// Hands over what a ray meets and how far along, and perhaps what lies farther than asked, until `each` says
-    /// that it wants no more.
+    /// Hands over what a ray meets and how far along, and perhaps what lies farther than asked, until `each`
+    /// says that it wants no more.
     fn follow(
         &self,
         (from, along): (DVec3, DVec3),

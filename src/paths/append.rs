@@ -169,8 +169,8 @@ impl PathGenerator {
         seen(earth, tx, at) * seen(earth, on(at, path.scattered, path.rx_leg_s), at)
     }
 
-    /// The same of what a ship returns, from where a wave meets it and leaves it: a path with two bounces goes
-    /// by an image, where no wave is.
+    /// The same of what a ship returns, from where a wave meets it and leaves it: a path with two bounces
+    /// goes by an image, where no wave is.
     pub(super) fn passes_horizon_of_ship(
         &self,
         plan: &PairPlan,
@@ -183,8 +183,8 @@ impl PathGenerator {
         seen(earth, centre(plan.pair.transmitter), meets) * seen(earth, centre(rx), leaves)
     }
 
-    /// Amplitudes of one path in the channels of its pair, with what the sea did to it; `matrix` is `None` for
-    /// the direct path.
+    /// Amplitudes of one path in the channels of its pair, with what the sea did to it; `matrix` is `None`
+    /// for the direct path.
     pub(super) fn amplitudes(
         &self,
         plan: &PairPlan,

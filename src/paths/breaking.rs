@@ -1,10 +1,11 @@
 //! What breaks of a sea: candidates of [`crate::sea::breaking`] on the resolved surface.
 //!
-//! Candidates are drawn cell by cell and slot by slot of time; the surface in the middle of a slot decides which
-//! of them break, and how high they ride. What breaks in the slots about a pulse is found once for all threads;
-//! it depends on neither them nor the order in which pulses are made. Where the patch follows, it is found over a
-//! **region** that holds the patch wherever this begins in a square a quarter as long, so that a patch that moves
-//! on by a facet finds what it needs; a pulse takes those on its own patch.
+//! Candidates are drawn cell by cell and slot by slot of time; the surface in the middle of a slot decides
+//! which of them break, and how high they ride. What breaks in the slots about a pulse is found once for all
+//! threads; it depends on neither them nor the order in which pulses are made. Where the patch follows, it is
+//! found over a
+//! **region** that holds the patch wherever this begins in a square a quarter as long, so that a patch that
+//! moves on by a facet finds what it needs; a pulse takes those on its own patch.
 
 use std::sync::Arc;
 
@@ -15,8 +16,8 @@ use crate::sea::breaking::{Breaker, CELL_M, Law, SLOT_S};
 use crate::sea::land::{Dem, LandSheet};
 use crate::sea::surface::{Evaluator, Fields, Grid, Selection, Surface, SurfaceError};
 
-/// Regions of a slot whose breakers are kept, and slots whose surface is where the patch moves: as many as a life
-/// may span, and threads that make other pulses; regions fewer where they hold more than so many in all.
+/// Regions of a slot whose breakers are kept, and slots whose surface is where the patch moves: as many as a
+/// life may span, and threads that make other pulses; regions fewer where they hold more than so many in all.
 const KEPT: std::ops::RangeInclusive<usize> = 6..=24;
 const MOST_KEPT: f64 = 4e6;
 const SURFACES: usize = 4;
@@ -230,8 +231,8 @@ mod tests {
     use crate::sea::surface::{Averaging, Grid};
     use crate::sea::wind::Wind;
 
-    /// A patch that follows, a facet further at each step, has the breakers of a patch that lies where it does, in
-    /// their order, and few regions are looked at.
+    /// A patch that follows, a facet further at each step, has the breakers of a patch that lies where it
+    /// does, in their order, and few regions are looked at.
     #[test]
     fn a_patch_that_moves_finds_the_breakers_of_one_that_stays() {
         let wind = Wind::from_speed(14.0, 10.0, WindProfile::Cardone, 0.2).unwrap();

@@ -10,13 +10,13 @@
 //! Doppler spectrum of the rain. Slots of `SLOT_S` overlap by half: a point lasts two of them, with the
 //! amplitude `sin(pi s)`, so that the powers of both add up to 1 at every time.
 //!
-//! Where there would be more than [`MOST`] points at a pulse, boxes are larger by a power of two that is the same
-//! for all of a slot: the least with which no more than half of them are seen as antennas, beams and window are
-//! when it begins. It follows from that instant alone. A beam that turns into the rain meanwhile sees more
-//! until the slot ends; none are left out.
+//! Where there would be more than [`MOST`] points at a pulse, boxes are larger by a power of two that is the
+//! same for all of a slot: the least with which no more than half of them are seen as antennas, beams and
+//! window are when it begins. It follows from that instant alone. A beam that turns into the rain meanwhile
+//! sees more until the slot ends; none are left out.
 //!
-//! Its matrix is that of a Rayleigh scatterer, a dipole along the field that it meets: `sqrt(eta V) e_p . e_q`
-//! in the bases of the path, all of it back and none at right angles in the plane of the field.
+//! Its matrix is that of a Rayleigh scatterer, a dipole along the field that it meets: `sqrt(eta V) e_p .
+//! e_q` in the bases of the path, all of it back and none at right angles in the plane of the field.
 //!
 //! Paths are found exactly and at every pulse by both echoes. Limits: main lobes of the antennas
 //! ([`crate::radar::lobe`]); the window's own emission, so that rain beyond the pulse interval does not fold
@@ -297,7 +297,8 @@ impl PathGenerator {
         self.rain.as_ref().map_or(0.0, |rain| rain.drops)
     }
 
-    /// Points of a pulse for which there is room beforehand: as many as there are unless a beam turns into the rain.
+    /// Points of a pulse for which there is room beforehand: as many as there are unless a beam turns into
+    /// the rain.
     pub fn rain_room(&self) -> usize {
         if self.rains() { MOST } else { 0 }
     }
@@ -338,7 +339,8 @@ impl PathGenerator {
         [last - 1, last]
     }
 
-    /// What holds for a slot of a pulse: fills in where antennas are when it begins, and returns how coarse it is.
+    /// What holds for a slot of a pulse: fills in where antennas are when it begins, and returns how coarse
+    /// it is.
     /// `standing` is overwritten where it is not known.
     fn begin_slot(
         &self,

@@ -4,8 +4,8 @@
 //! moving with the orbital velocity and acceleration while the pulse is under way; delay, rate, directions
 //! and legs come from this one path ([`crate::geometry::light_time`]), so that the carrier phase of a facet
 //! is a smooth function of slow time whose derivative is its Doppler. Tilt and area are those of the grid
-//! position, with the slope of the mean surface added on a curved Earth; choppy waves have areas and tilts of their
-//! own ([`crate::sea::surface::choppy`]). Its amplitude in a channel is
+//! position, with the slope of the mean surface added on a curved Earth; choppy waves have areas and tilts of
+//! their own ([`crate::sea::surface::choppy`]). Its amplitude in a channel is
 //!
 //! `a = K / (R_t R_r)  g_t g_r  v_t v_r  (e_r^T S e_t)`
 //!

@@ -1,22 +1,23 @@
 //! Targets and ships hidden by land.
 //!
-//! Along the line from a target to an antenna, over the heights of the raster a facet apart ([`Dem`], bilinear,
-//! lowered with the sea of a curved earth), a target has the clearance
+//! Along the line from a target to an antenna, over the heights of the raster a facet apart ([`Dem`],
+//! bilinear, lowered with the sea of a curved earth), a target has the clearance
 //!
 //! `min of z - z_A - d (h - z_A)/d_A`
 //!
-//! above the line from the antenna over the highest land before it (`z`, `z_A`, `h` heights of target, antenna and
-//! land, `d`, `d_A` distances of target and land from the antenna along the plane), and the weight that a facet has
-//! ([`crate::geometry::shadow::visible`]). Sea hides nothing here: crests and horizon do. Weights are found at knots
-//! of the run, from the course of the antenna at the first of the two about an instant (live navigation
-//! knows no later one), and are linear in between: at most [`APART_S`], and half a facet of a target's course.
+//! above the line from the antenna over the highest land before it (`z`, `z_A`, `h` heights of target,
+//! antenna and land, `d`, `d_A` distances of target and land from the antenna along the plane), and the
+//! weight that a facet has ([`crate::geometry::shadow::visible`]). Sea hides nothing here: crests and horizon
+//! do. Weights are found at knots of the run, from the course of the antenna at the first of the two about an
+//! instant (live navigation knows no later one), and are linear in between: at most [`APART_S`], and half a
+//! facet of a target's course.
 //!
 //! A ship that echoes by its mesh has these clearances at its waterline, of bow, midship and stern
-//! ([`Hills::along`]); a panel has that of its place along the ship, linear in between, and as much more as it
-//! stands higher. It is dark below 0, found and cross-faded as what ships hide of themselves is.
+//! ([`Hills::along`]); a panel has that of its place along the ship, linear in between, and as much more as
+//! it stands higher. It is dark below 0, found and cross-faded as what ships hide of themselves is.
 //!
-//! Limits: all of the raster hides, and nothing beyond it; lines longer than [`MOST_STEPS`] facets are looked at
-//! as many times; land does not change across a ship; the direct path is not hidden.
+//! Limits: all of the raster hides, and nothing beyond it; lines longer than [`MOST_STEPS`] facets are looked
+//! at as many times; land does not change across a ship; the direct path is not hidden.
 
 use std::sync::{Arc, OnceLock};
 
@@ -82,7 +83,8 @@ impl Skyline {
 }
 
 impl Hills {
-    /// Of the land of a run on the earth below, for targets that so many antennas see until a time after pulse 0.
+    /// Of the land of a run on the earth below, for targets that so many antennas see until a time after
+    /// pulse 0.
     pub fn new(
         (dem, earth): (Arc<Dem>, Earth),
         (edge, facet_m): (Edge, f64),
@@ -131,8 +133,8 @@ impl Hills {
         Ok(before + share * (after - before))
     }
 
-    /// Land as it hides a ship that reaches from its stern to its bow, in its own axes, m, and is where `scene_m`
-    /// says, from an antenna; `None` where none does.
+    /// Land as it hides a ship that reaches from its stern to its bow, in its own axes, m, and is where
+    /// `scene_m` says, from an antenna; `None` where none does.
     pub fn along(
         &self,
         [stern_m, bow_m]: [f64; 2],
@@ -147,7 +149,8 @@ impl Hills {
         stations.iter().any(|(_, height_m)| height_m.is_finite()).then_some(Skyline { stations })
     }
 
-    /// Height of a place above the line from another over the highest land before it, m; infinite without any.
+    /// Height of a place above the line from another over the highest land before it, m; infinite without
+    /// any.
     fn clearance_m(&self, place: Point<Enu>, from: Point<Enu>) -> f64 {
         let ([x_m, y_m, z_m], [from_x, from_y, from_z]) = (place.to_array(), from.to_array());
         let (east, north) = (from_x - x_m, from_y - y_m);

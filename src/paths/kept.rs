@@ -1,8 +1,9 @@
 //! What threads that make pulses share: things that are found once, by whichever thread needs them first.
 //!
-//! The only locks among them: who asks for a thing while it is found waits, who asks for another does not, and
-//! what is found is used by all at once. It depends on neither the thread nor the order in which it is asked for.
-//! Its places are made beforehand and taken again, so that a run in its steady state allocates nothing.
+//! The only locks among them: who asks for a thing while it is found waits, who asks for another does not,
+//! and what is found is used by all at once. It depends on neither the thread nor the order in which it is
+//! asked for. Its places are made beforehand and taken again, so that a run in its steady state allocates
+//! nothing.
 
 use std::sync::{Mutex, PoisonError, RwLock};
 
@@ -45,8 +46,8 @@ impl<K: Copy + PartialEq, T> Kept<K, T> {
         Self { keys: Mutex::new((places.iter().map(|_| None).collect(), 0)), places }
     }
 
-    /// Uses the thing of a key; `find` puts it in place of the one that was found longest ago, unless it is there.
-    /// Found again it must be the same.
+    /// Uses the thing of a key; `find` puts it in place of the one that was found longest ago, unless it is
+    /// there. Found again it must be the same.
     ///
     /// # Errors
     /// Those of `find`.

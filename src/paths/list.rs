@@ -52,8 +52,8 @@ impl ScattererPaths {
         self.amplitude.iter_mut().zip(amplitude).for_each(|(column, &a)| column.push(a));
     }
 
-    /// Ends a scatterer path whose delays and rates stand in their columns already: with its amplitudes, or, where
-    /// none of them is anything, by taking those away again.
+    /// Ends a scatterer path whose delays and rates stand in their columns already: with its amplitudes, or,
+    /// where none of them is anything, by taking those away again.
     pub(crate) fn finish(&mut self, emission_offset_s: f64, amplitude: &[Complex64]) {
         if amplitude.iter().all(|a| *a == Complex64::ZERO) {
             let before = self.len();

@@ -116,8 +116,8 @@ pub mod block;
 mod truth;
 mod visibility;
 mod waves;
+mod with_sea;
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -171,6 +171,30 @@ impl PairPlan {
     fn receives(&self, tx_pol: Option<Polarisation>) -> bool {
         tx_pol.is_none_or(|port| self.channels.iter().any(|&(_, tx, _)| tx == port))
     }
+}
+
+/// What every pair needs; `channel_pairs` are the pairs of the channels.
+fn pair_plans(radar: &Radar, pairs: &[Pair], channel_pairs: &[usize]) -> Vec<PairPlan> {
+    pairs
+        .iter()
+        .enumerate()
+        .map(|(index, &pair)| PairPlan {
+            pair,
+            link: Link::new(
+                radar.transmitters[pair.transmitter].power_w,
+                radar.wavelength_m(),
+                radar.losses_db,
+                radar.atmosphere_db_per_km + attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph),
+            ),
+            channels: radar
+                .channels
+                .iter()
+                .enumerate()
+                .filter(|&(channel, _)| channel_pairs[channel] == index)
+                .map(|(channel, row)| (channel, row.tx, row.rx))
+                .collect(),
+        })
+        .collect()
 }
 
 /// Makes the scatterer paths and the truth of any pulse of a run.
@@ -255,26 +279,7 @@ impl PathGenerator {
                 pairs.iter().position(|&pair| pair == wanted)
             })
             .collect();
-        let plans = pairs
-            .iter()
-            .enumerate()
-            .map(|(index, &pair)| PairPlan {
-                pair,
-                link: Link::new(
-                    radar.transmitters[pair.transmitter].power_w,
-                    radar.wavelength_m(),
-                    radar.losses_db,
-                    radar.atmosphere_db_per_km + attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph),
-                ),
-                channels: radar
-                    .channels
-                    .iter()
-                    .enumerate()
-                    .filter(|&(channel, _)| channel_pairs[channel] == index)
-                    .map(|(channel, row)| (channel, row.tx, row.rx))
-                    .collect(),
-            })
-            .collect();
+        let plans = pair_plans(radar, &pairs, &channel_pairs);
         let fastest_target_mps = scene.targets.iter().map(|t| t.velocity.norm()).fold(0.0, f64::max);
         let mut built = Self {
             frame: scene.frame,
@@ -311,26 +316,7 @@ impl PathGenerator {
         let counts = [radar.transmitters.len(), radar.receivers.len()];
         built.check_cover(0.0, &mut faults);
         if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {
-            let patch_mps = built.patch_speed_mps(sea)?;
-            let interval_s = 1.0 / built.radar.emissions.mean_prf_hz();
-            built.hold_pulses = patch_run::hold_pulses(patch_mps, sea.patch.facet_m, interval_s);
-            let hold_s = built.hold_pulses.map_or(f64::INFINITY, |pulses| pulses as f64 * interval_s);
-            let (patches, nears_horizon) = (built.patches(sea)?, built.nears_horizon(sea)?);
-            let hulls = scene.ships.iter().any(|ship| !ship.panels.is_empty());
-            let run = patch_run::PatchRun { patches, patch_mps, hold_s, nears_horizon, hulls };
-            let plan = SeaPlan::new(scene, sea, &run, &mut faults);
-            if let Some((plan, ships)) = plan.map(|plan| plan.with_ships(&scene.ships, counts, built.frame)) {
-                (built.sea, built.ships) = (Some(Arc::new(plan)), ships);
-            }
-            built.heaves = Arc::new(built.lifted_by(built.sea.as_deref()));
-            built.hills = built.hidden_by(built.sea.as_deref()).map(Arc::new);
-            built.mirror = built.sea.as_ref().map(|sea| Mirror {
-                earth: built.frame.earth(),
-                permittivity: sea.scattering.permittivity(),
-                height_rms_m: sea.surface.expected().variance_m2.sqrt(),
-                wave_number_rad_m: TAU / radar.wavelength_m(),
-            });
-            built.images = built.mirror.map_or_else(Vec::new, |_| multipath::images(&built.targets));
+            built.plan_sea(scene, sea, counts, &mut faults)?;
         }
         if faults.is_empty() && built.pulses > 0 {
             if built.sea.is_none() {
@@ -387,7 +373,8 @@ impl PathGenerator {
     /// Buffers for [`Self::pulse`].
     pub fn workspace(&self) -> Workspace {
         let amplitude = vec![Complex64::ZERO; self.radar.channels.len()];
-        // The sea's own buffers are large, and blocks of pulses do without: they are made when first asked for.
+        // The sea's own buffers are large, and blocks of pulses do without: they are made when first asked
+        // for.
         let [own, other] = [(); 2].map(|()| Emission::default());
         let places = Vec::with_capacity(self.antennas.len());
         let (stretch, ships) = (Default::default(), self.ship_work());

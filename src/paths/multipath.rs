@@ -7,12 +7,12 @@
 //!
 //! `[v, h] -> D rho [R_v v, R_h h]`
 //!
-//! with Fresnel's coefficients at the grazing angle ([`crate::scattering::fresnel`]), the roughness factor `rho`
-//! ([`crate::scattering::roughness`]) and the divergence `D`. The matrix of the target is the same for all four;
-//! its aspect, the crests and the horizon before it are those of the straight rays.
+//! with Fresnel's coefficients at the grazing angle ([`crate::scattering::fresnel`]), the roughness factor
+//! `rho` ([`crate::scattering::roughness`]) and the divergence `D`. The matrix of the target is the same for
+//! all four; its aspect, the crests and the horizon before it are those of the straight rays.
 //!
-//! Limits: the coherent field of the mean sea; bases about the vertical of the scene where the ray is reflected
-//! (a turn of 1e-3 rad at 10 km); nothing between sea and sea, ships or the direct path.
+//! Limits: the coherent field of the mean sea; bases about the vertical of the scene where the ray is
+//! reflected (a turn of 1e-3 rad at 10 km); nothing between sea and sea, ships or the direct path.
 
 use glam::DVec3;
 use num_complex::Complex64;

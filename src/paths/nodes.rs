@@ -158,8 +158,8 @@ impl PathGenerator {
         Ok(())
     }
 
-    /// Targets, their images in the sea, direct paths and panels of ships of a pulse, always the same ones in the
-    /// same order, whether they are received or not, with their steady amplitudes: without
+    /// Targets, their images in the sea, direct paths and panels of ships of a pulse, always the same ones in
+    /// the same order, whether they are received or not, with their steady amplitudes: without
     /// [`Self::variations`].
     ///
     /// # Errors
@@ -201,8 +201,8 @@ impl PathGenerator {
         Ok(())
     }
 
-    /// The points of which the mean Doppler of a block is taken: targets as in [`Self::points`], and some of the
-    /// panels of ships for all of them, as they are at the pulse.
+    /// The points of which the mean Doppler of a block is taken: targets as in [`Self::points`], and some of
+    /// the panels of ships for all of them, as they are at the pulse.
     ///
     /// # Errors
     /// Those of [`Self::points`].
@@ -263,8 +263,8 @@ impl PathGenerator {
     }
 
     /// What multiplies the steady amplitudes of [`Self::points`] at a pulse, `[point][pair]`; with
-    /// [`Self::most_of_run`] in place of the draws of the pulse, and with nothing hidden by crests, where it is
-    /// given.
+    /// [`Self::most_of_run`] in place of the draws of the pulse, and with nothing hidden by crests, where it
+    /// is given.
     ///
     /// # Errors
     /// A pulse that the tracks do not cover.

@@ -374,8 +374,8 @@ impl Update<f32> {
 }
 
 impl<T: Real> Update<T> {
-    /// Weights of all facets of a patch from an antenna, in its order, and outside of which area they are one; what
-    /// is there already is of another update.
+    /// Weights of all facets of a patch from an antenna, in its order, and outside of which area they are
+    /// one; what is there already is of another update.
     pub fn copy_over(&self, antenna: usize, patch: &Patch, (out, held): (&mut Vec<f32>, &mut Option<Area>)) {
         let area = self.dimmed[antenna].as_ref().filter(|_| self.patch == *patch);
         match (area, &held) {
@@ -425,7 +425,8 @@ impl Mix<'_> {
     }
 }
 
-/// Rows and columns of the facets of a patch: outside of it weights are one, and stay so from update to update.
+/// Rows and columns of the facets of a patch: outside of it weights are one, and stay so from update to
+/// update.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::paths) struct Area {
     rows: Range<usize>,

@@ -15,8 +15,8 @@ pub(super) const LONGEST_S: f64 = 0.2;
 /// Knots that are kept; later ones are summed whenever they are needed.
 const MOST_KNOTS: f64 = 1_048_576.0;
 
-/// A wave of a surface: wave vector, rad/m, its length, angular frequency, rad/s, and complex amplitude at the
-/// origin and pulse 0, m, both halves of the plane together.
+/// A wave of a surface: wave vector, rad/m, its length, angular frequency, rad/s, and complex amplitude at
+/// the origin and pulse 0, m, both halves of the plane together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Component {
     pub k: [f64; 2],
@@ -98,8 +98,8 @@ impl<K: Copy> Series<K> {
     }
 }
 
-/// Value and rate a share `s` of the way from one knot to another, `h` apart: `[value, rate, acceleration]` at
-/// both.
+/// Value and rate a share `s` of the way from one knot to another, `h` apart: `[value, rate, acceleration]`
+/// at both.
 pub(super) fn quintic(h: f64, s: f64, [z0, v0, a0]: [f64; 3], [z1, v1, a1]: [f64; 3]) -> [f64; 2] {
     let (c1, c2) = (h * v0, 0.5 * h * h * a0);
     let (d, e, f) = (z1 - z0 - c1 - c2, h * v1 - c1 - 2.0 * c2, h * h * a1 - 2.0 * c2);

@@ -3,8 +3,8 @@
 //! Block `b` has the pulses `b M .. (b + 1) M`, `M = 3 s + 1`, with nodes at its pulses `0, s, 2 s, 3 s` (`s`
 //! the node spacing). The sea comes tile by tile ([`crate::paths::block`]) and is spread at once
 //! ([`crate::echo::synth::lanes`]); targets and the direct path are scatterer paths at the gain instants,
-//! through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]); what varies from pulse
-//! to pulse multiplies the amplitude at each of them. A block that the run
+//! through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]); what varies from
+//! pulse to pulse multiplies the amplitude at each of them. A block that the run
 //! cuts short moves its nodes together. Where windows hold more than their own emission, where polarisations
 //! alternate or intervals differ, and where facets forget their phases, every pulse is a block of its own,
 //! and nothing is interpolated. Where a report is changed by which something is aimed, a block ends
@@ -393,8 +393,8 @@ impl BlockEcho {
         Ok(part.found().spread)
     }
 
-    /// Mean Doppler of every pair, weighted by received power: of the sea's sample, and of targets and ships at
-    /// [`of_points`] (of all of them where the window receives nothing).
+    /// Mean Doppler of every pair, weighted by received power: of the sea's sample, and of targets and ships
+    /// at [`of_points`] (of all of them where the window receives nothing).
     fn mean_doppler(
         &self,
         generator: &PathGenerator,

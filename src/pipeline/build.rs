@@ -149,6 +149,27 @@ fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
     faults
 }
 
+/// Faults of the sea and of hulls that were not looked for, because others stopped the radar from being made.
+fn unmet(scene: &Scene, errors: &BuildErrors) -> Vec<BuildError> {
+    let mut found = Vec::new();
+    let of_sea = |fault: &RadarFault| matches!(fault, RadarFault::Sea(_));
+    let met = errors.0.iter().any(
+        |error| matches!(error, BuildError::Radar(RadarError::Faults(faults)) if faults.iter().any(of_sea)),
+    );
+    if let Some(sea) = scene.sea.as_ref().filter(|_| !met) {
+        found.extend(realise(sea, scene.seed).err().map(BuildError::Sea));
+        let reported = |name: &str| {
+            errors.0.iter().any(|error| matches!(error, BuildError::Ship(fault) if fault.ship == name))
+        };
+        let hulls = scene.ships.iter().filter(|ship| !reported(&ship.name)).filter_map(|ship| {
+            let source = fleet::hull(ship).err()?;
+            Some(BuildError::Ship(FleetError { ship: ship.name.clone(), source }))
+        });
+        found.extend(hulls);
+    }
+    found
+}
+
 /// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its nominal
 /// trajectory flown.
 ///
@@ -179,25 +200,7 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         Ok(built) if faults.is_empty() => built,
         Ok(_) => return Err(BuildErrors(faults)),
         Err(errors) => {
-            // Where something else stopped the radar from being made, its sea has not been evaluated.
-            let of_sea = |fault: &RadarFault| matches!(fault, RadarFault::Sea(_));
-            let met = errors.0.iter().any(|error| {
-                matches!(error, BuildError::Radar(RadarError::Faults(faults)) if faults.iter().any(of_sea))
-            });
-            if let Some(sea) = scene.sea.as_ref().filter(|_| !met) {
-                faults.extend(realise(sea, scene.seed).err().map(BuildError::Sea));
-                let reported = |name: &str| {
-                    errors
-                        .0
-                        .iter()
-                        .any(|error| matches!(error, BuildError::Ship(fault) if fault.ship == name))
-                };
-                let hulls = scene.ships.iter().filter(|ship| !reported(&ship.name)).filter_map(|ship| {
-                    let source = fleet::hull(ship).err()?;
-                    Some(BuildError::Ship(FleetError { ship: ship.name.clone(), source }))
-                });
-                faults.extend(hulls);
-            }
+            faults.extend(unmet(scene, &errors));
             faults.extend(errors.0);
             return Err(BuildErrors(faults));
         }
@@ -353,7 +356,8 @@ impl PulseStream {
     /// Runs to the end or until `stop` is set; progress goes to `status`.
     ///
     /// # Errors
-    /// Live navigation that does not begin, or an output that cannot be opened. What fails later is in the outcome.
+    /// Live navigation that does not begin, or an output that cannot be opened. What fails later is in the
+    /// outcome.
     pub fn run(
         self,
         stop: &Arc<AtomicBool>,

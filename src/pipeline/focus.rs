@@ -33,7 +33,8 @@ use crate::recording::Recording;
 /// # Errors
 /// No channel of echoes, no replica, no true navigation (of what was received over the wire: set
 /// `settings.nav` to [`Navigation::Reported`](crate::processor::focus::Navigation)), no middle
-/// ([`Scenario::of`] says why its scenario is not read), a grid that cannot be, phase centres that are not recorded, a Doppler band about an aim that is not known.
+/// ([`Scenario::of`] says why its scenario is not read), a grid that cannot be, phase centres that are not
+/// recorded, a Doppler band about an aim that is not known.
 pub fn focus(recording: &Recording, settings: &Settings) -> Result<Vec<Image>, FocusError> {
     let scenario = Scenario::of(recording).ok();
     let focuser = Focuser::new(recording, scenario.as_ref().map(Scenario::described), settings)?;

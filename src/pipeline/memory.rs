@@ -30,8 +30,8 @@ pub const SHARED_FACET_BYTES: [u64; 2] = [330, 60];
 pub const WORKER_FACET_BYTES: [u64; 2] = [700, 430];
 /// More of each worker, a facet, where waves are choppy: four fields, of every node in the fast echo.
 pub const CHOPPY_FACET_BYTES: [u64; 2] = [32, 64];
-/// Of each worker of the fast echo, a facet, where the patch follows or waves are choppy: a surface of its own for the shadows,
-/// and updates that blocks share.
+/// Of each worker of the fast echo, a facet, where the patch follows or waves are choppy: a surface of its
+/// own for the shadows, and updates that blocks share.
 pub const FOLLOW_FACET_BYTES: u64 = 250;
 
 /// About what the sea of a scene takes, bytes.
@@ -50,12 +50,12 @@ pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
     facets.saturating_mul(each)
 }
 
-/// Shared, a path of a ship's mesh: its panel, the tree of its triangles, what is seen at the knots that are kept,
-/// and what the plan of the run follows of it.
+/// Shared, a path of a ship's mesh: its panel, the tree of its triangles, what is seen at the knots that are
+/// kept, and what the plan of the run follows of it.
 pub const SHARED_PATH_BYTES: u64 = 1500;
 
-/// Of a worker, a path of a ship's mesh or a scatterer of a breaking wave, bytes: in lists of a delay, a rate and an
-/// amplitude, and its factors in some pulses, in double and single precision.
+/// Of a worker, a path of a ship's mesh or a scatterer of a breaking wave, bytes: in lists of a delay, a rate
+/// and an amplitude, and its factors in some pulses, in double and single precision.
 pub(crate) fn path_bytes([pairs, channels]: [usize; 2], lists: usize, pulses: usize) -> u64 {
     (lists * (8 + 16 * pairs + 16 * channels) + 12 * pairs * pulses) as u64
 }

@@ -205,8 +205,8 @@ impl PulseFactory {
         (self.ship_paths() as u64).saturating_mul(each.saturating_add(memory::SHARED_PATH_BYTES))
     }
 
-    /// About what breaking waves take with so many workers, bytes: lists of paths and factors of a block, and those
-    /// that are kept for all.
+    /// About what breaking waves take with so many workers, bytes: lists of paths and factors of a block, and
+    /// those that are kept for all.
     pub(crate) fn breaker_bytes(&self, threads: usize) -> u64 {
         let pulses = self.block_pulses();
         let lists = if matches!(self.echo, Echo::Fast(_)) { NODES + 1 } else { 1 };
@@ -256,7 +256,8 @@ impl PulseFactory {
         self.generator.beyond_horizon(index)
     }
 
-    /// Points that stand for rain at a pulse, mean, and in a resolution cell; `None` where it returns no echo.
+    /// Points that stand for rain at a pulse, mean, and in a resolution cell; `None` where it returns no
+    /// echo.
     pub fn rain(&self) -> Option<(f64, f64)> {
         self.generator.rains().then(|| (self.generator.drops(), self.generator.drops_per_cell()))
     }

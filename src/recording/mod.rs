@@ -1,7 +1,7 @@
 //! Files of pulses, maps and images: HDF5 and plain folders, written and read by the same description.
 //!
-//! [`header`] holds for a whole recording, [`descriptions`] lists its datasets, `hdf5` and [`plain`] write and
-//! read the files. [`Recording`] reads a part of one for processing.
+//! [`header`] holds for a whole recording, [`descriptions`] lists its datasets, `hdf5` and [`plain`] write
+//! and read the files. [`Recording`] reads a part of one for processing.
 //!
 //! Some rows beyond those asked for are read of all columns but the samples, so that paths are known before
 //! the first and after the last pulse of a part. Samples are read in blocks of rows, and only the channels

@@ -85,8 +85,8 @@ impl Patch {
     /// The patch of the given size whose middle facet is the one nearest to the centre.
     ///
     /// # Errors
-    /// Sizes or facets that are not positive and finite; sides that are no multiple of the facet, shorter than
-    /// one, or of too many; a centre too far away.
+    /// Sizes or facets that are not positive and finite; sides that are no multiple of the facet, shorter
+    /// than one, or of too many; a centre too far away.
     pub fn new(size_m: [f64; 2], facet_m: f64, centre_m: [f64; 2]) -> Result<Self, PatchError> {
         if !(facet_m.is_finite() && facet_m > 0.0) {
             return Err(PatchError::Facet { facet_m });

@@ -1,11 +1,12 @@
-//! Breaking waves: how much of the surface they cover, how fast they run, how large they are and how long they
-//! last.
+//! Breaking waves: how much of the surface they cover, how fast they run, how large they are and how long
+//! they last.
 //!
 //! - **Coverage** `W = 3.84e-6 U10^3.41`, Monahan and O'Muircheartaigh 1980 (whitecaps, `U10` in m/s). Their
 //!   data end at some 17 m/s; above [`MOST_WIND_MPS`] it is held.
-//! - **Speeds**: Phillips' crest length per area and speed `L(c) ~ c^-6` (1985) times what a crest sweeps in its
-//!   life, `w = c T/4 ~ c^2`: the coverage is spread over speeds as `c^-4`, from `c_0` to `c_1`:
-//!   `c_1 = min(0.8 c_p, 6 m/s)`, at least 1.3 (`c_p = 1.2 U10`, a fully risen sea), `c_0 = min(c_1/2, 2 m/s)`.
+//! - **Speeds**: Phillips' crest length per area and speed `L(c) ~ c^-6` (1985) times what a crest sweeps in
+//!   its life, `w = c T/4 ~ c^2`: the coverage is spread over speeds as `c^-4`, from `c_0` to `c_1`:
+//!   `c_1 = min(0.8 c_p, 6 m/s)`, at least 1.3 (`c_p = 1.2 U10`, a fully risen sea), `c_0 = min(c_1/2, 2
+//!   m/s)`.
 //! - **Lives** are a quarter of the period `T = 2 pi c/g` of a wave as fast: 0.1 to 1 s.
 //! - **Areas** are exponential, as lengths of crests are, about `lambda^2/8`: `lambda/4` wide and in the mean
 //!   half a wave `lambda = c T` long.
@@ -16,8 +17,8 @@
 //!
 //! - **Where**: six times as many points as break are scattered over water and time at random, in cells of
 //!   32 m and slots of half a second that are drawn from the seed and their numbers alone; those break under
-//!   which the resolved surface accelerates downwards by more than its standard deviation in the middle of the
-//!   slot. Of a Gaussian sea that is 0.159 of all, whatever the size of facets, so that the mean is kept.
+//!   which the resolved surface accelerates downwards by more than its standard deviation in the middle of
+//!   the slot. Of a Gaussian sea that is 0.159 of all, whatever the size of facets, so that the mean is kept.
 //!
 //! A breaker runs straight on at its speed `c`, at the height of the crest that it was found on, with an
 //! amplitude `sqrt(8/3) sin^2(pi s)` over its life `0 <= s <= 1`.
@@ -72,7 +73,8 @@ const LARGEST_M2: f64 = 1.0;
 /// What breaks of a wave along its travel, over its length, and at most along its crest to either side.
 const WIDTH_SHARE: f64 = 0.25;
 const HALF_CREST_SHARE: f64 = 1.0;
-/// Side of the cells in which breakers are drawn, m, and length of the slots of time in which they are born, s.
+/// Side of the cells in which breakers are drawn, m, and length of the slots of time in which they are born,
+/// s.
 pub const CELL_M: f64 = 32.0;
 pub const SLOT_S: f64 = 0.5;
 
@@ -110,8 +112,8 @@ pub struct Breaker {
 }
 
 impl Candidate {
-    /// Whether it breaks in waves with a downward acceleration, in deviations of it; `None` where there are no
-    /// waves.
+    /// Whether it breaks in waves with a downward acceleration, in deviations of it; `None` where there are
+    /// no waves.
     pub fn breaks(&self, downwards_sigma: Option<f64>) -> bool {
         downwards_sigma.map_or(self.lot < STEEP_SHARE, |own| own > STEEPEST_SIGMA)
     }
@@ -202,8 +204,8 @@ impl Law {
         (life_s, off_m + fastest_mps * (life_s + 0.5 * SLOT_S))
     }
 
-    /// Hands over all places of a cell and a slot where a wave may break: more than break, by what the surface
-    /// leaves of them.
+    /// Hands over all places of a cell and a slot where a wave may break: more than break, by what the
+    /// surface leaves of them.
     pub fn candidates(&self, cell: [i64; 2], slot: i64, mut each: impl FnMut(&Candidate)) {
         let mean = self.waves_per_m2_s() / STEEP_SHARE * CELL_M * CELL_M * SLOT_S;
         let Ok(law) = Poisson::new(mean) else { return };

@@ -9,6 +9,7 @@ use nereus::paths::list::ScattererPaths;
 use nereus::pipeline::build;
 use nereus::pipeline::factory::factory_by;
 
+use crate::cases::some_of;
 use crate::dem;
 use crate::runs::{keeps_the_error, plan};
 
@@ -148,10 +149,10 @@ fn an_island_is_the_same_in_both_echoes() {
             ("scene.patch_follow", "{ kind = \"beside\", platform = \"aircraft\", across_m = 2000.0 }"),
         ],
     ];
-    for settings in cases {
+    for settings in some_of(&cases) {
         // Both tiers of interpolation once.
-        let asked: &[&str] = if settings.len() == 1 { &["-45.0", "-60.0"] } else { &["-60.0"] };
-        for error_db in asked {
+        let asked: &[&str] = if settings.len() == 1 { &["-60.0", "-45.0"] } else { &["-60.0"] };
+        for error_db in some_of(asked) {
             let fast = [("fidelity.echo", "\"fast\""), ("fidelity.error_db", error_db)];
             println!("{settings:?}");
             keeps_the_error("land", &scene(&[settings, &fast].concat(), hill));
@@ -224,6 +225,7 @@ fn land_hides_ships() {
     println!(
         "on the open sea {lit:.2e} W, the sea alone {sea:.2e}; behind the hill {hidden:.3e} and {lee:.3e}"
     );
-    // The sea about the ship is one draw of some hundred facets: the ship is to stand out of it, not by how much.
+    // The sea about the ship is one draw of some hundred facets: the ship is to stand out of it, not by how
+    // much.
     assert!(lit > 3.0 * sea && hidden <= lee * (1.0 + 1e-9));
 }

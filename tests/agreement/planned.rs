@@ -3,13 +3,14 @@
 use nereus::bench::accuracy::{Judge, sample};
 use nereus::echo::synth::Precision;
 
+use crate::cases::{cases, some_of};
 use crate::runs::{self, plan, scene};
 
 /// Errors that are asked, dB.
-const SWEEP: [f64; 4] = [-30.0, -45.0, -60.0, -75.0];
+const SWEEP: [f64; 4] = [-60.0, -30.0, -45.0, -75.0];
 /// Pulses that are compared of the longer scenes; of the others all, since the worst ones are few: those
 /// about the first instants of gain.
-const PULSES: u64 = 66;
+const PULSES: u32 = 66;
 /// A prediction is on the safe side, and no more than that above what is measured, dB.
 const WITHIN_DB: f64 = 6.0;
 /// The same of targets alone, of which two may always be in phase, and each be where its images add; down to
@@ -26,9 +27,11 @@ fn holds(path: &str, settings: &[(&str, &str)], too_safe: &[f64]) {
         scene(path, &[settings, &[("fidelity.error_db", &error_db)]].concat())
     };
     let run = with(-60.0);
-    let pulses = sample(run.scene.seed, run.scene.pulses, 37, PULSES);
+    // Of a few pulses the worst are left out, and predictions look safer than they are.
+    let few = cases(PULSES) < PULSES;
+    let pulses = sample(run.scene.seed, run.scene.pulses, 37, cases(PULSES).into());
     let judge = Judge::new(&run, pulses, 2, |_| ()).unwrap();
-    for error_db in SWEEP {
+    for &error_db in some_of(&SWEEP) {
         let run = with(error_db);
         let plan = plan(&run);
         let predicted_db = plan.prediction.total_db();
@@ -38,7 +41,7 @@ fn holds(path: &str, settings: &[(&str, &str)], too_safe: &[f64]) {
         );
         assert!(plan.keeps(), "{path} {error_db}: {predicted_db}");
         assert!(measured_db <= predicted_db, "{path} {error_db}: {predicted_db} {measured_db}");
-        let known = predicted_db - measured_db < WITHIN_DB || too_safe.contains(&error_db);
+        let known = predicted_db - measured_db < WITHIN_DB || few || too_safe.contains(&error_db);
         assert!(known, "{path} {error_db}: {predicted_db} {measured_db}");
     }
 }

@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use crate::program::{Ended, nereus, package, started};
 
@@ -169,11 +171,33 @@ fn figures_that_cannot_be_measured_are_refused() {
     assert_eq!(fs::read_to_string(taken.join("tradeoff.csv")).unwrap(), "mine");
 }
 
+/// Runs a sweep into `swept`; also how many lines its table had from time to time, finished or not.
+fn watched(folder: &Path, arguments: &[&str]) -> (Ended, BTreeSet<usize>) {
+    let lines = || {
+        let names = fs::read_dir(folder.join("swept")).into_iter().flatten().flatten();
+        let table =
+            names.map(|entry| entry.path()).find(|path| path.to_string_lossy().contains("tradeoff.csv"));
+        table.and_then(|path| fs::read_to_string(path).ok()).unwrap_or_default().lines().count()
+    };
+    let begun = Instant::now();
+    let mut child = started(folder, arguments);
+    let mut seen = BTreeSet::new();
+    while child.try_wait().unwrap().is_none() {
+        seen.insert(lines());
+        assert!(begun.elapsed().as_secs() < 300, "{seen:?}");
+        sleep(Duration::from_millis(2));
+    }
+    (child.wait_with_output().unwrap().into(), seen)
+}
+
 #[test]
 fn tradeoff_sweeps_the_settings_and_writes_table_and_picture() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["--error-pulses", "4", "--out", "swept", "--json"];
-    let ended = small(folder.path(), "tradeoff", &arguments);
+    let scene = ["--set", "scene.patch_size_m=[16, 16]", "--set", "scene.duration_s=0.25", "--threads", "2"];
+    let sweep = ["--error-pulses", "4", "--out", "swept", "--json"];
+    let sea = sea();
+    let arguments = [&["tradeoff", sea.as_str()], &scene[..], &sweep].concat();
+    let (ended, seen) = watched(folder.path(), &arguments);
     let report = json(&ended);
     let points = report["points"].as_array().unwrap();
     assert_eq!(points[0]["change"], "as written");
@@ -212,47 +236,16 @@ fn tradeoff_sweeps_the_settings_and_writes_table_and_picture() {
     assert!(models.iter().any(|effect| effect["change"] == "sea.scattering.splitting=mars2007"), "{report}");
     let csv = fs::read_to_string(folder.path().join("swept/tradeoff.csv")).unwrap();
     assert_eq!(csv.lines().count(), 1 + points.len());
+    // A sweep that is stopped keeps what was measured: rows of the whole table, one more each time. The polls
+    // miss some, for writing one takes less than measuring one.
+    let partial = seen.iter().filter(|lines| (2..1 + points.len()).contains(*lines)).count();
+    assert!(seen.len() >= 4 && partial >= 2, "{seen:?}");
     let columns = csv.lines().next().unwrap().split(',').count();
     assert!(csv.lines().all(|line| line.split(',').count() == columns), "{csv}");
     assert_eq!(csv.lines().filter(|line| line.ends_with(",true")).count(), 1);
     let png = fs::read(folder.path().join("swept/tradeoff.png")).unwrap();
     assert!(png.starts_with(b"\x89PNG"));
-    let again = small(folder.path(), "tradeoff", &arguments);
+    let again = nereus(folder.path(), &arguments);
     assert_eq!(again.code, 2, "{}", again.stderr);
     assert!(again.stderr.contains("--force"), "{}", again.stderr);
-}
-
-/// A sweep that is stopped keeps the settings that were measured: rows of the whole table, one more each
-/// time.
-#[test]
-#[cfg(unix)]
-fn a_sweep_writes_its_table_as_it_goes() {
-    let folder = tempfile::tempdir().unwrap();
-    let begun = std::time::Instant::now();
-    let swept = ["tradeoff", &sea(), "--set", "scene.patch_size_m=[16, 16]", "--error-pulses", "4"];
-    let mut child = started(folder.path(), &[&swept[..], &["--out", "swept"]].concat());
-    let text = |ended: bool| -> String {
-        let names = fs::read_dir(folder.path().join("swept")).into_iter().flatten().flatten();
-        let tables = names.map(|entry| entry.path()).filter(|path| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            name == "tradeoff.csv" || (!ended && name.contains("tradeoff.csv"))
-        });
-        tables.filter_map(|path| fs::read_to_string(path).ok()).next().unwrap_or_default()
-    };
-    let mut seen = BTreeSet::new();
-    let status = loop {
-        seen.insert(text(false).lines().count());
-        if let Some(status) = child.try_wait().unwrap() {
-            break status;
-        }
-        assert!(begun.elapsed().as_secs() < 300, "{seen:?}");
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    };
-    assert!(status.success());
-    let rows = text(true).lines().count();
-    // The polls miss some, for writing one takes less than measuring one.
-    assert!(
-        seen.len() >= 4 && seen.iter().filter(|lines| (2..rows).contains(*lines)).count() >= 2,
-        "{seen:?}, {rows}"
-    );
 }

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use nereus::frames::Geodetic;
 use nereus::nav::Sigma;
@@ -10,7 +11,7 @@ use nereus::nav::solution::Solution;
 use nereus::time::TimeTag;
 use serde_json::Value;
 
-use crate::program::{nereus, package};
+use crate::program::{Ended, nereus, package};
 
 fn config(name: &str) -> String {
     package().join(format!("configs/{name}.toml")).display().to_string()
@@ -48,6 +49,24 @@ fn an_antenna_below_the_sea_is_a_fault() {
         assert_eq!(ended.code, 2, "{}", ended.stderr);
         assert!(ended.stderr.contains("below mean sea level at pulse "), "{}", ended.stderr);
     }
+}
+
+/// With 1 GiB of addresses, which the sea would need many times over: nothing of it is made before it is
+/// refused.
+#[test]
+fn a_sea_too_large_for_memory_is_refused_before_it_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = ["scene.patch_size_m=[8192, 8192]", "stream.threads=64"].map(|set| format!("--set '{set}'"));
+    let call = format!(
+        "ulimit -v 1048576; exec '{}' check '{}' {}",
+        env!("CARGO_BIN_EXE_nereus"),
+        config("sea"),
+        words.join(" ")
+    );
+    let ended = Command::new("sh").args(["-c", &call]).current_dir(folder.path()).output().unwrap();
+    let ended = Ended::from(ended);
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    assert!(ended.stderr.contains("a sea of 67108864 facets takes about"), "{}", ended.stderr);
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod pages;
 
 const LONGEST_FILE: usize = 600;
 const LONGEST_MAIN: usize = 30;
+const WIDEST_COMMENT: usize = 110;
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -56,4 +57,31 @@ fn files_are_small_and_named_for_what_they_hold() {
     }
     let main = fs::read_to_string(root().join("src/main.rs")).unwrap();
     assert!(main.lines().count() <= LONGEST_MAIN);
+}
+
+/// But for tables, code and what cannot be broken.
+#[test]
+fn comments_have_at_most_110_columns() {
+    let mut long = Vec::new();
+    for folder in ["src", "fft", "tests", "examples", "benches", "python/src", "fuzz/fuzz_targets"] {
+        for path in files(&root().join(folder), "rs") {
+            let text = fs::read_to_string(&path).unwrap();
+            let mut code = false;
+            for (line, row) in (1..).zip(text.lines()) {
+                let Some(said) =
+                    row.trim_start().strip_prefix("//").map(|c| c.trim_start_matches(['/', '!']))
+                else {
+                    code = false;
+                    continue;
+                };
+                let said = said.trim_start();
+                code ^= said.starts_with("```");
+                let broken = said.contains(' ') && !said.starts_with('|') && !code;
+                if broken && row.chars().count() > WIDEST_COMMENT {
+                    long.push(format!("{}:{line}", path.display()));
+                }
+            }
+        }
+    }
+    assert!(long.is_empty(), "comments of more than {WIDEST_COMMENT} columns: {long:#?}");
 }

@@ -212,8 +212,8 @@ fn panels_that_ride_have_the_doppler_of_their_paths() {
     assert!(spread_mps[0] > 1.5 * spread_mps[1], "{spread_mps:?}");
 }
 
-/// What blocks of pulses take of panels and double bounces, many at a time, is what the reference has of them one by
-/// one: patterns and ports of all kinds, two aircraft, a ship that rides the waves, a horizon.
+/// What blocks of pulses take of panels and double bounces, many at a time, is what the reference has of them
+/// one by one: patterns and ports of all kinds, two aircraft, a ship that rides the waves, a horizon.
 #[test]
 fn panels_side_by_side_are_as_one_by_one() {
     use nereus::scene::radar::Polarisation::{H, L, R, V};

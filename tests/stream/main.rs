@@ -1,6 +1,8 @@
 //! The stream with made-up pulses: order, pacing, policies, isolation, ends, allocations.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
+#[path = "../support/cases.rs"]
+mod cases;
 mod released;
 mod stream_allocations;
 mod stream_ends;

@@ -20,6 +20,7 @@ use nereus::transport::stage::Stream;
 use nereus::transport::view;
 use nereus::transport::{Pace, Policy, Settings};
 
+use crate::cases::cases;
 use crate::stream_fixture::{LAYOUT, generate};
 
 struct Counting;
@@ -291,7 +292,11 @@ fn counted_scenario(name: &str, settings: &[(String, String)], ready: impl Fn() 
     run.stream.threads = 2;
     run.stream.policy = Policy::Drop;
     let before_all = threads();
-    for (pace, end, from, to) in [(Pace::Fast, 1200, 200, 1000), (Pace::Realtime, 400, 100, 350)] {
+    // Both workers make blocks before it is counted, and meanwhile.
+    let end = u64::from(cases(1200)).max(400);
+    for (pace, end, from, to) in
+        [(Pace::Fast, end, (end / 6).max(150), end * 5 / 6), (Pace::Realtime, 400, 100, 350)]
+    {
         // Workers of the run before may end late, and give back what they have.
         wait_for_threads(before_all);
         run.stream.pace = pace;

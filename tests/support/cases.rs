@@ -1,4 +1,5 @@
-//! How many cases a randomised test has.
+//! How many cases a test has.
+#![allow(dead_code, reason = "not every test has cases of each kind")]
 
 use proptest::prelude::ProptestConfig;
 
@@ -9,6 +10,12 @@ pub fn cases(n: u32) -> u32 {
         factor.unwrap_or_else(|| panic!("NEREUS_CASES: {text}; allowed: a factor above 0, such as 0.1 or 10"))
     });
     (f64::from(n) * factor).round().max(1.0) as u32
+}
+
+/// The first [`cases`] of a list: what shows most in least time stands first.
+pub fn some_of<T>(list: &[T]) -> &[T] {
+    let count = cases(u32::try_from(list.len()).unwrap_or(u32::MAX)) as usize;
+    &list[..count.min(list.len())]
 }
 
 /// The settings of a `proptest!` with so many [`cases`].

@@ -13,8 +13,8 @@ use crate::scene::water::{
 };
 use crate::scene::{Patch, Sea, Water};
 
-/// Facets up to which, m, and patches up to which, m^2, waves break unless set: a gale has 0.14 scatterers of breaking
-/// waves a square metre.
+/// Facets up to which, m, and patches up to which, m^2, waves break unless set: a gale has 0.14 scatterers of
+/// breaking waves a square metre.
 const BREAKING_FACET_M: f64 = 4.0;
 const BREAKING_AREA_M2: f64 = 7e6;
 

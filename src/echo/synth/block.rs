@@ -220,7 +220,8 @@ impl<T: Scalar> Synth<T> {
         self.block_with_room(0, 0)
     }
 
-    /// An empty block, with room for so many scatterer paths and so many numbers that multiply those of a pair.
+    /// An empty block, with room for so many scatterer paths and so many numbers that multiply those of a
+    /// pair.
     pub fn block_with_room(&self, paths: usize, factors: usize) -> BlockPaths<T> {
         let mut block = BlockPaths::new(self.pairs, self.layers.len());
         block.polynomials.iter_mut().for_each(|of_pair| of_pair.reserve(paths));

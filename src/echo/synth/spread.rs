@@ -141,8 +141,8 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
     }
 }
 
-/// Phasors, first cells and weights of a chunk at some pulses; what turns amplitudes is compiled apart, for the
-/// loops of those that nothing turns are slower beside it.
+/// Phasors, first cells and weights of a chunk at some pulses; what turns amplitudes is compiled apart, for
+/// the loops of those that nothing turns are slower beside it.
 struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool> {
     job: &'a Job<'j, T>,
     part: Range<usize>,

@@ -6,18 +6,18 @@
 //! followed, for all.
 //!
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and
-//! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as they
-//! are drawn, and in what is left with the most that they return at any pulse. Targets that crests hide count
-//! likewise: as hidden as they are, and not at all. What land and ships hide is known beforehand: it counts as
-//! hidden as it is in both.
+//! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as
+//! they are drawn, and in what is left with the most that they return at any pulse. Targets that crests hide
+//! count likewise: as hidden as they are, and not at all. What land and ships hide is known beforehand: it
+//! counts as hidden as it is in both.
 //!
 //! What lifts a target is a Gaussian process: the largest of `N` stretches of the run exceeds the largest of
 //! the `n` that are followed by about `sqrt(ln N / ln n)`, by which what is left of such targets is
 //! multiplied.
 //!
-//! Panels of ships have nodes of their own, and gains that are found at every pulse: what cubics leave of them is
-//! what they leave of the amplitude without these, times gains and the share that is not hidden. It may be in phase
-//! with what is left of targets.
+//! Panels of ships have nodes of their own, and gains that are found at every pulse: what cubics leave of
+//! them is what they leave of the amplitude without these, times gains and the share that is not hidden. It
+//! may be in phase with what is left of targets.
 //!
 //! Limits: points that are loud for less than the pulses from one of the profile to the next may be missed.
 
@@ -77,8 +77,8 @@ pub struct Points {
 }
 
 impl Points {
-    /// What cubics between gains every so many pulses leave, by channel, where they were followed with these, and
-    /// what those of panels leave.
+    /// What cubics between gains every so many pulses leave, by channel, where they were followed with these,
+    /// and what those of panels leave.
     pub fn swept(&self, gain_pulses: u64) -> Option<Powers> {
         let (_, own) = self.swept.iter().find(|(step, _)| *step == gain_pulses)?;
         let of_panels = self.swept_panels.iter().find(|(step, _)| Some(*step) == self.panel_pulses);
@@ -240,8 +240,8 @@ impl ErrorSampler<'_> {
         Ok(())
     }
 
-    /// Follows the points through the stretches with gains every so many pulses, and panels of ships with nodes
-    /// every so many.
+    /// Follows the points through the stretches with gains every so many pulses, and panels of ships with
+    /// nodes every so many.
     ///
     /// # Errors
     /// A track that ends before the run.
@@ -278,8 +278,8 @@ impl ErrorSampler<'_> {
         Ok(())
     }
 
-    /// The most pulses from node to node of the panels of ships that leave no more than a share of the echo, of
-    /// those that were followed, or the fewest; `None` without ships that echo by their mesh.
+    /// The most pulses from node to node of the panels of ships that leave no more than a share of the echo,
+    /// of those that were followed, or the fewest; `None` without ships that echo by their mesh.
     pub fn choose_panel_pulses(&mut self, share: f64) -> Option<u64> {
         let left = |powers: &Powers| self.sampled() * self.worst_ratio(powers);
         let swept = &self.points.swept_panels;

@@ -1,9 +1,9 @@
 //! Panels of ships through some pulses of a block.
 //!
-//! Those that are seen at any of the pulses are evaluated at the nodes, without the gains of their antennas: what
-//! is left turns with the panel alone. Gains are found at every pulse, from directions that are interpolated
-//! between the nodes, as those of facets are, and multiply the amplitude together with the share that is not
-//! hidden. Gains that are complex stay with the amplitude.
+//! Those that are seen at any of the pulses are evaluated at the nodes, without the gains of their antennas:
+//! what is left turns with the panel alone. Gains are found at every pulse, from directions that are
+//! interpolated between the nodes, as those of facets are, and multiply the amplitude together with the share
+//! that is not hidden. Gains that are complex stay with the amplitude.
 
 use std::ops::Range;
 
@@ -65,8 +65,8 @@ impl PathGenerator {
         }))
     }
 
-    /// Paths of the panels that are seen at some pulses, at nodes among these (counted from the first), and what
-    /// multiplies them at each pulse.
+    /// Paths of the panels that are seen at some pulses, at nodes among these (counted from the first), and
+    /// what multiplies them at each pulse.
     ///
     /// # Errors
     /// Pulses that the tracks do not cover.

@@ -1,9 +1,9 @@
 //! Bragg waves that travel, over a block: what turns the amplitudes of a tile from pulse to pulse.
 //!
-//! Amplitudes at the scattering epochs have the phases of facets at rest, and are as slow as those of waves that
-//! are frozen; phasors turn faster than epochs lie, and are found at every pulse
-//! ([`crate::scattering::bragg::block`]). Specular points turn by a phasor of their own: where they add to what
-//! a sample of the block returns, a tile is handed over twice, its Bragg waves and its specular points.
+//! Amplitudes at the scattering epochs have the phases of facets at rest, and are as slow as those of waves
+//! that are frozen; phasors turn faster than epochs lie, and are found at every pulse
+//! ([`crate::scattering::bragg::block`]). Specular points turn by a phasor of their own: where they add to
+//! what a sample of the block returns, a tile is handed over twice, its Bragg waves and its specular points.
 
 use super::TileWork;
 use super::tile::{Pair, TURNED_LANES, TurnedRow};

@@ -134,8 +134,8 @@ impl Body {
         }
     }
 
-    /// The panel of an element, one of the plane that its wave meets last, where it goes on from there, and where the
-    /// way to it ends.
+    /// The panel of an element, one of the plane that its wave meets last, where it goes on from there, and
+    /// where the way to it ends.
     pub fn parts(&self, element: &Element) -> (&Panel, &Panel, DVec3, DVec3) {
         let panel = &self.panels[element.panel as usize];
         element

@@ -1,8 +1,8 @@
 //! Between which planes of a ship a wave bounces.
 //!
-//! Rays of a few hundred fixed directions are followed from every panel to the plane that they meet, so the list
-//! depends on the mesh alone: neither on the run's length nor on where its antennas are. Where more are met than
-//! are kept, those met from the most directions are.
+//! Rays of a few hundred fixed directions are followed from every panel to the plane that they meet, so the
+//! list depends on the mesh alone: neither on the run's length nor on where its antennas are. Where more are
+//! met than are kept, those met from the most directions are.
 
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::TAU;
@@ -12,8 +12,8 @@ use glam::DVec3;
 use crate::geometry::occlusion::Triangles;
 use crate::scattering::physical_optics::{Panel, reflected};
 
-/// Panels whose normals differ by no more, and whose centroids lie no farther off each other's plane, m, are of
-/// one plane.
+/// Panels whose normals differ by no more, and whose centroids lie no farther off each other's plane, m, are
+/// of one plane.
 const ONE_PLANE: [f64; 2] = [1e-4, 1e-3];
 /// Angles above the horizon from which waves come, degrees, and how many directions about.
 const ELEVATIONS_DEG: [f64; 6] = [0.5, 3.0, 8.0, 18.0, 35.0, 60.0];

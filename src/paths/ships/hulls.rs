@@ -1,7 +1,7 @@
 //! What ships that echo hide of the sea.
 //!
-//! A facet is hidden from an antenna where the straight line between them meets a ship ([`Shade`]). Only facets in
-//! the outline of the box about the mesh, as the antenna throws it on the lowest facet, are asked.
+//! A facet is hidden from an antenna where the straight line between them meets a ship ([`Shade`]). Only
+//! facets in the outline of the box about the mesh, as the antenna throws it on the lowest facet, are asked.
 //!
 //! Limits: a facet is hidden as its centre is; no diffraction.
 
@@ -30,8 +30,8 @@ impl Hulls {
         Self { bodies, frame }
     }
 
-    /// Hands over the facets of a patch, by their places in arrays over it, that ships hide from a place at a time
-    /// after pulse 0; `heights_m` are theirs in the frame of the scene.
+    /// Hands over the facets of a patch, by their places in arrays over it, that ships hide from a place at a
+    /// time after pulse 0; `heights_m` are theirs in the frame of the scene.
     pub fn hide(
         &self,
         time_s: f64,
@@ -166,8 +166,8 @@ mod tests {
         found
     }
 
-    /// The shadow of a box on calm water: its waterplane, and behind it `h/tan` of the grazing angle, within a
-    /// facet; heights of the water move its end, and nothing shines under the hull.
+    /// The shadow of a box on calm water: its waterplane, and behind it `h/tan` of the grazing angle, within
+    /// a facet; heights of the water move its end, and nothing shines under the hull.
     #[test]
     fn a_shadow_is_as_long_as_the_grazing_angle_asks() {
         let (hulls, patch) = (hulls(0.0), Patch::new([400.0, 300.0], 1.0, [0.0, 0.0]).unwrap());

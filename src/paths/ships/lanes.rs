@@ -1,14 +1,16 @@
 //! Panels and double bounces of a ship side by side, for blocks of pulses.
 //!
-//! The equations are those of [`Body::path`](super::body::Body::path), in f64, without branches. Instead of the
-//! bases of the scattering matrix it has the fields of the antennas' ports themselves: both components of a
-//! transversal field in any basis make up the field, so what a port of unit vector `e_a` receives of another of
+//! The equations are those of [`Body::path`](super::body::Body::path), in f64, without branches. Instead of
+//! the bases of the scattering matrix it has the fields of the antennas' ports themselves: both components of
+//! a transversal field in any basis make up the field, so what a port of unit vector `e_a` receives of
+//! another of
 //! `e_b` is
 //!
 //! `S_ab = -j k/sqrt(pi) I e_a.J(e_b)` , `J(e) = r (n.e) - e (n.r)` ,
 //!
 //! with `r` the direction and `e` the field that meet the last plane: of a double bounce those that the first
-//! one reflects. Light time is found by Newton's steps, as [`geometry::lanes`](crate::geometry::lanes) has it.
+//! one reflects. Light time is found by Newton's steps, as [`geometry::lanes`](crate::geometry::lanes) has
+//! it.
 //!
 //! Limits: as those of the scatterer paths, which the reference takes; phases up to some million radians.
 
@@ -37,8 +39,8 @@ const GROUP: usize = 8;
 const LEAST_M: f64 = 1e-9;
 /// Cosine between a reflected ray and the plane that it meets below which nothing is left of it.
 const LEAST_DOWN: f64 = 1e-4;
-/// Square of the sum of a direction and the boresight below which it is straight back, and sine of the angle to
-/// the vertical below which it is vertical ([`PortBasis`], [`Basis`](crate::geometry::bistatic::Basis)).
+/// Square of the sum of a direction and the boresight below which it is straight back, and sine of the angle
+/// to the vertical below which it is vertical ([`PortBasis`], [`Basis`](crate::geometry::bistatic::Basis)).
 const BACKWARD: f64 = 1e-24;
 const VERTICAL_SINE: f64 = 1e-12;
 
@@ -83,7 +85,8 @@ pub(in crate::paths) struct Batch {
     pub scattered: [Lanes; 3],
     /// Unit vectors of the ports H and V of the transmitter and of the receiver.
     ports: [[[Lanes; 3]; 2]; 2],
-    /// Real and imaginary part of what a port of the receiver has of one of the transmitter, over `coupled`, m.
+    /// Real and imaginary part of what a port of the receiver has of one of the transmitter, over `coupled`,
+    /// m.
     pub strength: [Lanes; 2],
     /// `[port of the receiver][port of the transmitter]`.
     pub coupled: [[Lanes; 2]; 2],
@@ -165,8 +168,8 @@ impl Batch {
         })
     }
 
-    /// Takes in elements of a ship, as many as there is room for, and says how many: lanes that fill up the last
-    /// group have the last of them.
+    /// Takes in elements of a ship, as many as there is room for, and says how many: lanes that fill up the
+    /// last group have the last of them.
     pub(super) fn take(&mut self, body: &Body, elements: impl Iterator<Item = Element>) -> usize {
         (self.count, self.mirrors) = (0, false);
         let mut last = None;

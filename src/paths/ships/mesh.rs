@@ -172,8 +172,8 @@ impl PathGenerator {
         }
     }
 
-    /// Appends what panels return by themselves, whether they are hidden or received or not, those that return
-    /// nothing too; `each` has every pair and batch, and how many elements were before it.
+    /// Appends what panels return by themselves, whether they are hidden or received or not, those that
+    /// return nothing too; `each` has every pair and batch, and how many elements were before it.
     pub(in crate::paths) fn append_panels(
         &self,
         reception: &Reception,
@@ -270,8 +270,8 @@ impl PathGenerator {
         work.elements = elements;
     }
 
-    /// Appends so many of the panels, evenly chosen, that their mean Doppler is that of all: as seen at a pulse,
-    /// with all gains, and so much stronger as they are fewer.
+    /// Appends so many of the panels, evenly chosen, that their mean Doppler is that of all: as seen at a
+    /// pulse, with all gains, and so much stronger as they are fewer.
     pub(in crate::paths) fn append_some_panels(
         &self,
         index: u64,
@@ -294,7 +294,8 @@ impl PathGenerator {
         found
     }
 
-    /// Multiplies the shares of all panels that are not hidden, `[element][pair]`, by the gains that are real.
+    /// Multiplies the shares of all panels that are not hidden, `[element][pair]`, by the gains that are
+    /// real.
     pub(in crate::paths) fn apply_gains(
         &self,
         reception: &Reception,

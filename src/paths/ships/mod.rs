@@ -3,9 +3,9 @@
 //!
 //! A panel is put at the delay of its centroid and has the amplitude of
 //! [physical optics](crate::scattering::physical_optics). Where the mirror image of a wave in one panel meets
-//! another plane of the ship, the path goes by the image of a point `q` of that plane, found with the mesh alone
-//! (`bounces`): its delay is `(|x_T - q'| + |q - x_R|)/c`, and what the footprint is off `q` is in the phase
-//! of its amplitude. Both change slowly, and go through the nodes of a block as other amplitudes do.
+//! another plane of the ship, the path goes by the image of a point `q` of that plane, found with the mesh
+//! alone (`bounces`): its delay is `(|x_T - q'| + |q - x_R|)/c`, and what the footprint is off `q` is in the
+//! phase of its amplitude. Both change slowly, and go through the nodes of a block as other amplitudes do.
 //!
 //! What one part of a ship hides of another is found by rays every 0.25 s and cross-faded in between
 //! (`sight`): a factor of every pulse, never interpolated otherwise; so is what land hides
@@ -151,8 +151,8 @@ impl Ships {
         }
     }
 
-    /// Hands over some elements, whose numbers ascend, side by side, with the ship that they are of: as many as a
-    /// batch has room for, and their numbers.
+    /// Hands over some elements, whose numbers ascend, side by side, with the ship that they are of: as many
+    /// as a batch has room for, and their numbers.
     pub fn batches(
         &self,
         frame: &SceneFrame,

@@ -6,8 +6,8 @@
 //!
 //! over the very waves of the facets, with the transfer functions `M` of [`crate::sea::seakeeping`]. It is
 //! summed at knots so close that the fastest of these waves turns by half a radian, with rates and
-//! accelerations, and quintic Hermite in between (off by 4e-7 of a wave). Waves that move no point of the hull
-//! by more than [`LEAST`] of their height are left out.
+//! accelerations, and quintic Hermite in between (off by 4e-7 of a wave). Waves that move no point of the
+//! hull by more than [`LEAST`] of their height are left out.
 
 use num_complex::Complex64;
 
@@ -160,8 +160,8 @@ mod tests {
         Surface::synthesise(grid, &spectrum(), Dispersion::default(), seed, Averaging::Points).unwrap()
     }
 
-    /// Mean square of heave, pitch and roll over ten minutes and some seas: the integral of the response squared
-    /// over the spectrum, as a sum over the grid of wave numbers, within four of its deviations.
+    /// Mean square of heave, pitch and roll over ten minutes and some seas: the integral of the response
+    /// squared over the spectrum, as a sum over the grid of wave numbers, within four of its deviations.
     #[test]
     fn variances_are_integrals_over_the_spectrum() {
         let (hull, spectrum) = (Seakeeping::new(&FORM, Some(6.0)), spectrum());
@@ -190,8 +190,8 @@ mod tests {
             }
         }
         for i in 0..3 {
-            // A wave's power is exponential from sea to sea; over the run others beat with it, some ten of its
-            // periods apart, which adds as much again at most.
+            // A wave's power is exponential from sea to sea; over the run others beat with it, some ten of
+            // its periods apart, which adds as much again at most.
             let deviation = (2.0 * squares[i] / f64::from(seas)).sqrt() / wanted[i];
             let off = found[i] / wanted[i] - 1.0;
             println!("{i}: rms {:.4}, off by {off:.3}, deviation {deviation:.3}", wanted[i].sqrt());

@@ -1,8 +1,8 @@
 //! Where a ship is at an instant, and how it moves.
 //!
 //! Midship sails its course over the mean sea: forward along the heading, up along the vertical there. A ship
-//! that rides the waves is lifted by its heave, and turned about midship at the waterline: by its roll, then by
-//! its pitch, then by its heading.
+//! that rides the waves is lifted by its heave, and turned about midship at the waterline: by its roll, then
+//! by its pitch, then by its heading.
 
 use glam::{DMat3, DVec3};
 

@@ -1,7 +1,7 @@
 //! What of one ship hides the sea: its mesh, and its walls below the waterline.
 //!
-//! The side of the hull is taken straight down from the waterline, so that no line passes under a hull that waves
-//! have lifted, and what lies under its waterplane is hidden from everywhere.
+//! The side of the hull is taken straight down from the waterline, so that no line passes under a hull that
+//! waves have lifted, and what lies under its waterplane is hidden from everywhere.
 
 use glam::DVec3;
 

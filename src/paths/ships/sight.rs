@@ -1,8 +1,8 @@
 //! What of a ship antennas see past the ship itself and land, at knots of the run.
 //!
 //! Knots are [`EVERY_S`] apart. Antennas are taken straight on from the knot before (live navigation knows
-//! nothing later), so what is seen at a knot depends on nothing but the tracks up to the one before, and joins
-//! there. Every knot is found once, and the last ones are kept: a bit for each antenna and element.
+//! nothing later), so what is seen at a knot depends on nothing but the tracks up to the one before, and
+//! joins there. Every knot is found once, and the last ones are kept: a bit for each antenna and element.
 
 use glam::DVec3;
 

@@ -1,9 +1,10 @@
 //! Breaking waves as scatterer paths.
 //!
-//! A breaker (`super::breaking`) is a scatterer that runs straight on with its wave, with the cross section of
-//! [`crate::scattering::breaking`] and a phase of its own. It is seen as the facets under it are: with their weights, bilinear
-//! between the four nearest, so that nothing jumps as it runs from facet to facet. The reference finds these
-//! paths exactly and at every pulse; the fast echo takes what is smooth through a few pulses ([`stretch`]).
+//! A breaker (`super::breaking`) is a scatterer that runs straight on with its wave, with the cross section
+//! of [`crate::scattering::breaking`] and a phase of its own. It is seen as the facets under it are: with
+//! their weights, bilinear between the four nearest, so that nothing jumps as it runs from facet to facet.
+//! The reference finds these paths exactly and at every pulse; the fast echo takes what is smooth through a
+//! few pulses ([`stretch`]).
 
 pub mod stretch;
 
@@ -80,8 +81,8 @@ impl PathGenerator {
         self.sea.as_ref().and_then(|sea| sea.breaking.as_ref()).map_or(0.0, BreakingPlan::alive)
     }
 
-    /// Scatterers of breaking waves that are alive at any instant of so many pulses, mean, and bytes of those that
-    /// are kept for all threads.
+    /// Scatterers of breaking waves that are alive at any instant of so many pulses, mean, and bytes of those
+    /// that are kept for all threads.
     pub fn breakers_within(&self, pulses: u64) -> (f64, u64) {
         let lasts_s = self.radar.emissions.interval_s(0, pulses);
         let breaking = self.sea.as_ref().and_then(|sea| sea.breaking.as_ref());

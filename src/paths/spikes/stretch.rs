@@ -7,7 +7,8 @@
 //! - a direction turns by more than `TURN_RAD`, or by a tenth of what it is off the vertical, where H and V
 //!   turn with it: matrices are cubics within 1e-4 then;
 //! - the rate at either end is not that of the cubic, by what leaves more than `PHASE_RAD` of phase: with
-//!   nodes a third of a stretch `T` apart a fourth derivative leaves at most `T/18` times the error of the rate.
+//!   nodes a third of a stretch `T` apart a fourth derivative leaves at most `T/18` times the error of the
+//!   rate.
 //!
 //! It goes by what antennas and breakers do in these pulses alone. Antennas of measured pattern have complex
 //! gains: their pulses are made exactly.
@@ -163,8 +164,8 @@ impl PathGenerator {
             .map_err(|failure| self.sea_error(first, WakeError::from(failure).into()))
     }
 
-    /// Both antennas of every pair at every pulse, the receiver when echoes of the middle of a patch arrive: over
-    /// the patch that differs by microseconds.
+    /// Both antennas of every pair at every pulse, the receiver when echoes of the middle of a patch arrive:
+    /// over the patch that differs by microseconds.
     fn sights(&self, patch: &Patch, emissions: &[Emission], sights: &mut Vec<[Sight; 2]>) {
         let [x, y] = [0, 1].map(|i| patch.facet_m * (patch.first[i] as f64 + 0.5 * patch.facets[i] as f64));
         let middle = DVec3::new(x, y, -self.frame.earth().drop_m(x, y));

@@ -5,8 +5,8 @@
 //! end: with a middle of twice the end, -73 dB where the antennas turn by 0.03 rad about a facet in a block.
 //!
 //! A block is cut into pieces in which no component moves by more than `WITHIN` of the bell's end: there its
-//! weight is a straight line between both ends of the piece, at most `WITHIN^2` off (-72 dB). Components start
-//! a piece at their own phase, from f64, and turn by a constant phasor from pulse to pulse.
+//! weight is a straight line between both ends of the piece, at most `WITHIN^2` off (-72 dB). Components
+//! start a piece at their own phase, from f64, and turn by a constant phasor from pulse to pulse.
 
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]

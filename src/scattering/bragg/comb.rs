@@ -7,10 +7,11 @@
 //! `gamma(t) = sum_m sqrt(d f(omega_m)) e^{j (omega_m t + phi_m)}`, `f = (315/256) (1 - x^2)^4 / R`,
 //! `x = (omega - Omega)/R`, `R = sqrt(11) s`
 //!
-//! `f` is a bell of mean `Omega` and deviation `s` that ends at `R`: near a Gaussian (kurtosis 2.5). `Omega` and
+//! `f` is a bell of mean `Omega` and deviation `s` that ends at `R`: near a Gaussian (kurtosis 2.5). `Omega`
+//! and
 //! `s` change as antennas fly past. The phase of a component does not know of it, so that its rate is
-//! `omega_m` at any time after the start; a phase `Omega(t) t` would be off by `t dOmega/dt`. The mean power is
-//! 1; at any instant about `3.7 s/d` components of equal weight make it.
+//! `omega_m` at any time after the start; a phase `Omega(t) t` would be off by `t dOmega/dt`. The mean power
+//! is 1; at any instant about `3.7 s/d` components of equal weight make it.
 
 use num_complex::Complex64;
 
@@ -63,8 +64,8 @@ impl Comb {
         line.amplitude * (HEIGHT * self.step_radps / self.end_radps(line.deviation_radps)).sqrt()
     }
 
-    /// Inverse of the end of a line of a deviation, s/rad, and what a component in its middle has over the root of
-    /// its share.
+    /// Inverse of the end of a line of a deviation, s/rad, and what a component in its middle has over the
+    /// root of its share.
     #[inline(always)]
     pub fn bell(&self, deviation_radps: f32) -> [f32; 2] {
         let step_radps = self.step_radps as f32;

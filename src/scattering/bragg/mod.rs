@@ -1,6 +1,7 @@
 //! Bragg waves that travel: random phases of facets with the Doppler of the waves that scatter.
 //!
-//! Of the roughness within a facet those waves scatter whose wave vector is `+K_B` or `-K_B`, `K_B` the part of
+//! Of the roughness within a facet those waves scatter whose wave vector is `+K_B` or `-K_B`, `K_B` the part
+//! of
 //! `q = k (k_s - k_i)` in the plane ([`spm`](super::spm)); `q` points towards the antennas. A wave along
 //! `+K_B` comes closer and raises the frequency by `omega(K_B)`, one along `-K_B` lowers it. So the Bragg
 //! phasor of a facet turns as the sum of two **lines**,
@@ -17,13 +18,14 @@
 //! points have one line at `q.u`, widened by the waves up to the cut.
 //!
 //! All Bragg matrices of a facet are turned by the same phasor: their phases towards each other are those of
-//! [`speckle`](super::speckle). Tilts within the facet add `(d omega/dK)^2 q_z^2 K^T S K/K^2` to `s^2`, `S` the
-//! covariance of their slopes. `K_B` is that on the mean surface: the slopes of the map change how much a
+//! [`speckle`](super::speckle). Tilts within the facet add `(d omega/dK)^2 q_z^2 K^T S K/K^2` to `s^2`, `S`
+//! the covariance of their slopes. `K_B` is that on the mean surface: the slopes of the map change how much a
 //! facet returns, not at which line. Their rms of 0.1 at 45 degrees is a tenth of `K_B` and a twentieth of
 //! `omega_B`: 0.2 Hz in L band, 0.6 in X band, where orbital motion has 4 and 20 Hz.
 //!
-//! Limits: linear waves; no modulation of short waves by long ones within a facet; films and ships' own short waves have the
-//! directions of the wind's; one phase at the start for all pairs of antennas, as frozen phases have.
+//! Limits: linear waves; no modulation of short waves by long ones within a facet; films and ships' own short
+//! waves have the directions of the wind's; one phase at the start for all pairs of antennas, as frozen
+//! phases have.
 
 pub mod block;
 pub mod comb;
@@ -194,8 +196,8 @@ impl BraggLines {
     }
 }
 
-/// Near the logarithm of a number above 0 to the base 2: exponent and mantissa as a double has them. Tables lie
-/// even in it, for it costs less than a logarithm.
+/// Near the logarithm of a number above 0 to the base 2: exponent and mantissa as a double has them. Tables
+/// lie even in it, for it costs less than a logarithm.
 #[inline(always)]
 fn octaves(x: f64) -> f64 {
     x.to_bits() as f64 * (1.0 / (1u64 << 52) as f64) - 1023.0

@@ -170,7 +170,8 @@ mod tests {
     fn a_saturated_sea_has_the_closed_form() {
         let (from, to) = (3.0, 50.0);
         let waves = SubFacetVelocities::new(&Saturated, Dispersion::default(), from, to);
-        // Outside of a square the lower bound is from/max(|cos|, |sin|): its inverse means 2 sqrt 2/pi of 1/from.
+        // Outside of a square the lower bound is from/max(|cos|, |sin|): its inverse means 2 sqrt 2/pi of
+        // 1/from.
         let mean = 2.0 * std::f64::consts::SQRT_2 / std::f64::consts::PI;
         let expected = std::f64::consts::TAU * crate::sea::GRAVITY_MPS2 * B * (mean / from - 1.0 / to);
         let up = waves.mean_square(DVec3::Z, to);

@@ -3,9 +3,9 @@
 //! Scattering asks the symmetric spectrum; which of the two lines returns it says the directional one,
 //! `share(K) = Psi(K) / [Psi(K) + Psi(-K)]`. Both densities are means over [`WINDOW_RAD`] to either side,
 //! weighted by `(1 - x^2)^3`: two-fold spreadings keep the half of their waves that runs with the wind, and
-//! the edge of that half circle is a convention, not a step of the sea. The weights make the root of the share
-//! smooth where it ends, so that the fast echo may take it as straight over a block. Roots are tabulated over
-//! wave number and azimuth.
+//! the edge of that half circle is a convention, not a step of the sea. The weights make the root of the
+//! share smooth where it ends, so that the fast echo may take it as straight over a block. Roots are
+//! tabulated over wave number and azimuth.
 
 use std::f64::consts::TAU;
 
@@ -87,7 +87,8 @@ impl DirectionShare {
         self.at(row, column, (place - row as f64) as f32, (turn - column as f64) as f32).map(f64::from)
     }
 
-    /// The same of a group of facets, given their wave vectors, the unit vector downwind and the wave numbers.
+    /// The same of a group of facets, given their wave vectors, the unit vector downwind and the wave
+    /// numbers.
     #[inline(always)]
     pub(super) fn roots_of_group(
         &self,
@@ -124,8 +125,8 @@ impl DirectionShare {
     }
 }
 
-/// Near the azimuth of a vector in quarters of a turn, 0 to 4: straight on a square, for it costs less than an
-/// angle.
+/// Near the azimuth of a vector in quarters of a turn, 0 to 4: straight on a square, for it costs less than
+/// an angle.
 #[inline(always)]
 fn quarters(x: f64, y: f64) -> f64 {
     let up = y / (x.abs() + y.abs()).max(f64::MIN_POSITIVE);

@@ -6,7 +6,8 @@ use crate::sea::spectrum::LightWind;
 use crate::sea::wind::Wind;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
-/// Lines of facets of a size at 60 degrees incidence from the East, wind of 2.5 m/s towards a direction, L band.
+/// Lines of facets of a size at 60 degrees incidence from the East, wind of 2.5 m/s towards a direction, L
+/// band.
 pub(super) fn lines(towards_deg: f64, facet_m: f64, drift_mps: [f64; 2], tilts: [f64; 2]) -> BraggLines {
     let wind = Wind::from_speed(2.5, 10.0, WindProfile::Cardone, towards_deg.to_radians()).unwrap();
     let kind = SpectrumKind::Elfouhaily { development: Development::default() };

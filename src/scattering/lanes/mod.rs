@@ -80,8 +80,8 @@ pub struct Batch {
     bragg: [Row; 2],
     density: Row,
     gain: Row,
-    /// Factor on the density of Bragg waves, where they are modulated, and on the amplitude of sub-facets that
-    /// are tilted up by a node along and across the wind.
+    /// Factor on the density of Bragg waves, where they are modulated, and on the amplitude of sub-facets
+    /// that are tilted up by a node along and across the wind.
     raise: Row,
     bias: [Row; 2],
     power: [[Row; 2]; 2],

@@ -85,7 +85,8 @@ pub struct Transform<T: Real> {
     levelled_back: T,
     /// `g` where the horizontal acceleration is `-g` times the slope: gravity waves in any depth.
     gravity: Option<T>,
-    /// `[|kx|][ky]`: what relaxation leaves of the contraction, in phase and behind; empty unless it is known.
+    /// `[|kx|][ky]`: what relaxation leaves of the contraction, in phase and behind; empty unless it is
+    /// known.
     relaxed: [Vec<T>; 2],
     block: Vec<Complex<T>>,
     plane: Vec<Complex<T>>,

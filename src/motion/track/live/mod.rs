@@ -88,7 +88,8 @@ pub struct Reported {
     pub state: State,
     /// The instant less the time of the fix that it is extrapolated from, s; 0 where it is interpolated.
     pub age_s: f64,
-    /// [`NAV_EXTRAPOLATED`](crate::pulse::flags::NAV_EXTRAPOLATED), [`NAV_STALE`](crate::pulse::flags::NAV_STALE).
+    /// [`NAV_EXTRAPOLATED`](crate::pulse::flags::NAV_EXTRAPOLATED),
+    /// [`NAV_STALE`](crate::pulse::flags::NAV_STALE).
     pub flags: u32,
     /// When the last fix up to the instant had come.
     pub arrived: Option<Instant>,
