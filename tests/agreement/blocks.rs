@@ -127,7 +127,7 @@ fn isotropic_antennas_keep_the_error() {
         ("platform.0.track.velocity_mps", "[120, 0, 0]"),
         ("radar.window.start_us", "1.0"),
     ];
-    for (name, more) in some_of(&[("beneath", &beneath[..]), ("abeam", &[])]) {
+    for (name, more) in some_of([("beneath", &beneath[..]), ("abeam", &[])]) {
         let settings = with(&[&isotropic[..], more].concat());
         let run = scenario("mars-1.toml", &settings);
         let range = 236..285;
@@ -166,7 +166,7 @@ fn blocks_of_grazing_and_following_seas() {
     // The edges of mars-live are out of sight in a patch of full size, here of larger facets.
     let wide = [("scene.facet_m", "4.0"), ("stream.threads", "2")];
     for (name, settings, range) in
-        some_of(&[("mars-live.toml", &wide, 13_320..13_344), ("mars-4.toml", &SMALL, 240..264)])
+        some_of([("mars-live.toml", &wide, 13_320..13_344), ("mars-4.toml", &SMALL, 240..264)])
     {
         let settings = |echo| [&settings[..], &[("fidelity.echo", echo)]].concat();
         let exact = samples(&reference(scenario(name, &settings("fast"))), range.clone());
@@ -197,7 +197,7 @@ fn travelling_waves_keep_the_error() {
         ("receiver.0.pointing.across_m", "300.0"),
         ("radar.window.start_us", "19.7"),
     ];
-    for (carrier_hz, wind_from_deg, more) in some_of(&[
+    for (carrier_hz, wind_from_deg, more) in some_of([
         ("10e9", "345", &[][..]),
         ("1.3e9", "0", &[]),
         ("10e9", "0", &[]),

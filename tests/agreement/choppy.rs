@@ -32,7 +32,7 @@ fn choppy_waves_keep_the_error() {
         // More facets than a block has its shadows for apart.
         &[("scene.patch_size_m", "[132, 132]"), ("scene.facet_m", "1"), ("sea.wind_mps", "12")],
     ];
-    for settings in some_of(&cases) {
+    for settings in some_of(cases) {
         let fast = [("fidelity.echo", "fast"), ("fidelity.error_db", "-60.0")];
         let run = scene(SEA, &[&ON[..], settings, &fast].concat());
         keeps_the_error(&format!("{settings:?}"), &run);
@@ -41,7 +41,7 @@ fn choppy_waves_keep_the_error() {
 
 #[test]
 fn a_part_of_a_run_with_choppy_waves_is_bit_identical() {
-    for settings in some_of(&[&[][..], &FOLLOWS]) {
+    for settings in some_of([&[][..], &FOLLOWS]) {
         let settings = [&ON[..], settings].concat();
         let whole = pulses(SEA, &settings, "2", 20..60);
         for begin in [33, 51] {

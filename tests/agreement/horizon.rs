@@ -139,8 +139,8 @@ fn crests_are_seen_beyond_the_horizon_and_both_echoes_agree() {
     let share = power(&with) / power(&without);
     println!("27 km: {} of {} facets, {share:.3} of the power", with.len(), without.len());
     assert!(with.len() * 10 > without.len() && with.len() * 10 < without.len() * 9, "{}", with.len());
-    for waves in some_of(&["true", "false"]) {
-        for error_db in some_of(&["-60.0", "-45.0"]) {
+    for waves in some_of(["true", "false"]) {
+        for error_db in some_of(["-60.0", "-45.0"]) {
             let fast = [
                 ("fidelity.echo", "\"fast\""),
                 ("fidelity.error_db", error_db),

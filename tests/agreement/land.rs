@@ -149,7 +149,7 @@ fn an_island_is_the_same_in_both_echoes() {
             ("scene.patch_follow", "{ kind = \"beside\", platform = \"aircraft\", across_m = 2000.0 }"),
         ],
     ];
-    for settings in some_of(&cases) {
+    for settings in some_of(cases) {
         // Both tiers of interpolation once.
         let asked: &[&str] = if settings.len() == 1 { &["-60.0", "-45.0"] } else { &["-60.0"] };
         for error_db in some_of(asked) {

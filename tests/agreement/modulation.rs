@@ -22,7 +22,7 @@ fn modulated_waves_keep_the_error() {
         &[("radar.carrier_hz", "1.3e9"), ("sea.wind_from_deg", "0"), ("sea.scattering.bragg", "frozen")],
         &FOLLOWS,
     ];
-    for settings in some_of(&cases) {
+    for settings in some_of(cases) {
         let fast = [("fidelity.echo", "fast"), ("fidelity.error_db", "-60.0")];
         let run = scene(SEA, &[&ON[..], settings, &fast].concat());
         keeps_the_error(&format!("{settings:?}"), &run);
@@ -31,7 +31,7 @@ fn modulated_waves_keep_the_error() {
 
 #[test]
 fn a_part_of_a_run_with_modulated_waves_is_bit_identical() {
-    for settings in some_of(&[&[][..], &FOLLOWS]) {
+    for settings in some_of([&[][..], &FOLLOWS]) {
         let settings = [&ON[..], settings].concat();
         let whole = pulses(SEA, &settings, "2", 20..60);
         for begin in [33, 51] {

@@ -31,7 +31,7 @@ fn holds(path: &str, settings: &[(&str, &str)], too_safe: &[f64]) {
     let few = cases(PULSES) < PULSES;
     let pulses = sample(run.scene.seed, run.scene.pulses, 37, cases(PULSES).into());
     let judge = Judge::new(&run, pulses, 2, |_| ()).unwrap();
-    for &error_db in some_of(&SWEEP) {
+    for error_db in some_of(SWEEP) {
         let run = with(error_db);
         let plan = plan(&run);
         let predicted_db = plan.prediction.total_db();

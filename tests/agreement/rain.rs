@@ -331,7 +331,7 @@ const SCENES: [(&str, &[(&str, &str)]); 3] = [
 
 #[test]
 fn rain_keeps_the_error() {
-    for (path, settings) in some_of(&SCENES) {
+    for (path, settings) in some_of(SCENES) {
         let fast = [("fidelity.echo", "\"fast\""), ("fidelity.error_db", "-60.0")];
         let run = scene(path, &[settings, &fast].concat());
         keeps_the_error(path, &run);

@@ -28,7 +28,7 @@ fn keeps(name: &str, settings: &[(&str, &str)]) {
 #[test]
 fn jonswap_up_the_wind_and_off_it() {
     let jonswap = [("sea.spectrum", "jonswap"), ("sea.fetch_m", "20000")];
-    for from in some_of(&["200", "270"]) {
+    for from in some_of(["200", "270"]) {
         keeps(&format!("JONSWAP from {from}"), &[&jonswap[..], &[("sea.wind_from_deg", from)]].concat());
     }
 }
@@ -70,7 +70,7 @@ fn narrow_and_noisy_files() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         -(1.0 - (state >> 11) as f64 / 2f64.powi(53)).ln()
     });
-    for path in some_of(&[noisy, narrow]) {
+    for path in some_of([noisy, narrow]) {
         let file = format!("\"{path}\"");
         keeps(
             &path,

@@ -21,7 +21,7 @@ fn keeps(path: &str, error_db: &str, pulses: Vec<u64>) -> Plan {
 
 #[test]
 fn sea_and_ship_in_ka_band_from_orbit() {
-    for error_db in some_of(&["-45.0", "-30.0"]) {
+    for error_db in some_of(["-45.0", "-30.0"]) {
         let plan = keeps("tests/data/scenarios/ka-orbit.toml", error_db, vec![0, 5, 17, 35]);
         assert_eq!(plan.chosen.echo.envelope, Envelope::Stretched);
     }
@@ -29,7 +29,7 @@ fn sea_and_ship_in_ka_band_from_orbit() {
 
 #[test]
 fn long_pulse_of_a_jet_takes_bands_of_doppler() {
-    for error_db in some_of(&["-60.0", "-45.0", "-75.0"]) {
+    for error_db in some_of(["-60.0", "-45.0", "-75.0"]) {
         let plan = keeps("tests/data/scenarios/jet.toml", error_db, (0..22).collect());
         assert_eq!(plan.chosen.echo.envelope, Envelope::Stretched);
         assert!(plan.chosen.echo.band_hz.is_some());

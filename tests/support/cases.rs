@@ -13,9 +13,10 @@ pub fn cases(n: u32) -> u32 {
 }
 
 /// The first [`cases`] of a list: what shows most in least time stands first.
-pub fn some_of<T>(list: &[T]) -> &[T] {
-    let count = cases(u32::try_from(list.len()).unwrap_or(u32::MAX)) as usize;
-    &list[..count.min(list.len())]
+pub fn some_of<I: IntoIterator<IntoIter: ExactSizeIterator>>(list: I) -> impl Iterator<Item = I::Item> {
+    let list = list.into_iter();
+    let count = cases(list.len() as u32) as usize;
+    list.take(count)
 }
 
 /// The settings of a `proptest!` with so many [`cases`].
