@@ -53,7 +53,7 @@ fn echo(c: &mut Criterion) {
         let mut out = vec![Complex64::ZERO; channels * BINS];
         // Throughput in scatterer path-bins: the inverse is ns per scatterer path and bin.
         group.throughput(Throughput::Elements(BINS as u64));
-        group.bench_function(format!("1_contact_384_bins_{channels}_channels"), |b| {
+        group.bench_function(format!("1_path_384_bins_{channels}_channels"), |b| {
             b.iter(|| echo.spectrum(black_box(&paths), 23.6e-6, &mut out));
         });
     }

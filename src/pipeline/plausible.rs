@@ -35,7 +35,7 @@ const CLIPPED_SHARE: f64 = 1e-4;
 
 /// A target that no window receives, at the pulse at which it comes nearest to one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Unheard {
+pub struct TargetOutsideWindow {
     /// The target.
     pub target: String,
     /// Begin and end of its echo after the emission, us.
@@ -49,10 +49,10 @@ pub struct Unheard {
 #[non_exhaustive]
 pub enum PhysicsWarning {
     /// Targets beside the window.
-    #[error("{}", unheard_text(unheard, *targets))]
+    #[error("{}", outside_text(outside, *targets))]
     OutsideWindow {
-        /// They.
-        unheard: Vec<Unheard>,
+        /// Those that no window receives.
+        outside: Vec<TargetOutsideWindow>,
         /// All targets of the scene.
         targets: usize,
     },
@@ -88,21 +88,21 @@ pub enum PhysicsWarning {
     },
 }
 
-fn unheard_text(unheard: &[Unheard], targets: usize) -> String {
-    let many = if unheard.len() == targets {
+fn outside_text(outside: &[TargetOutsideWindow], targets: usize) -> String {
+    let many = if outside.len() == targets {
         "no target lies in the receive window".to_owned()
     } else {
-        format!("{} of {targets} targets never lie in the receive window", unheard.len())
+        format!("{} of {targets} targets never lie in the receive window", outside.len())
     };
-    let mut named: Vec<String> = unheard
+    let mut named: Vec<String> = outside
         .iter()
         .take(MOST_NAMED)
-        .map(|Unheard { target, echo_us: [from, to], window_us: [opens, closes] }| {
+        .map(|TargetOutsideWindow { target, echo_us: [from, to], window_us: [opens, closes] }| {
             format!("{target} (echo {from:.2} to {to:.2} us after the emission, window {opens:.2} to {closes:.2} us)")
         })
         .collect();
-    if unheard.len() > MOST_NAMED {
-        named.push(format!("{} more", unheard.len() - MOST_NAMED));
+    if outside.len() > MOST_NAMED {
+        named.push(format!("{} more", outside.len() - MOST_NAMED));
     }
     format!("{many}: {}", named.join(", "))
 }
@@ -210,14 +210,14 @@ pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
         }
     }
     let us = |from_s: f64, to_s: f64| [from_s * 1e6, to_s * 1e6];
-    let unheard: Vec<Unheard> = scene
+    let outside: Vec<TargetOutsideWindow> = scene
         .targets
         .iter()
         .zip(nearest)
         .filter_map(|(target, nearest)| {
             // A window that just holds the pulse is no fault of a rounding.
             let (_, delay_s, opens_s) = nearest.filter(|(off_s, ..)| *off_s > 1e-12)?;
-            Some(Unheard {
+            Some(TargetOutsideWindow {
                 target: target.name.clone(),
                 echo_us: us(delay_s, delay_s + pulse_s),
                 window_us: us(opens_s, opens_s + window_s),
@@ -225,7 +225,7 @@ pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
         })
         .collect();
     let targets = scene.targets.len();
-    Ok((!unheard.is_empty()).then_some(PhysicsWarning::OutsideWindow { unheard, targets }))
+    Ok((!outside.is_empty()).then_some(PhysicsWarning::OutsideWindow { outside, targets }))
 }
 
 /// When the window opens after an emission.

@@ -40,7 +40,7 @@ pub fn write(path: &Path, scene: &Scene, config: &str, snapshot: &Snapshot) -> R
             doppler_hz,
         ));
         columns.push((
-            pair_name(pair, "heard"),
+            pair_name(pair, "received"),
             "1",
             "1 where the window receives the facet".into(),
             received,

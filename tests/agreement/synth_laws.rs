@@ -66,7 +66,7 @@ fn variants_agree() {
 }
 
 #[test]
-fn contacts_at_and_beyond_the_edges_are_those_of_the_reference() {
+fn paths_at_and_beyond_the_edges_are_those_of_the_reference() {
     let patch = &patches()[0];
     let rate_hz = patch.rate_hz;
     let (window, pulse) = (patch.samples as f64, patch.pulse_s * rate_hz);
@@ -110,7 +110,7 @@ fn contacts_at_and_beyond_the_edges_are_those_of_the_reference() {
 }
 
 #[test]
-fn a_contact_may_cross_the_whole_window_within_a_block() {
+fn a_path_may_cross_the_whole_window_within_a_block() {
     // 4000 samples in 64 pulses, through a window of 400: in reach for eight of them or so.
     let patch = &patches()[0];
     let at = |pulse: usize| {

@@ -22,7 +22,7 @@ fn levels_are_those_of_the_radar_equation() {
     let ended = snapshot(folder.path(), &["--pulse", "250", "--json"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
-    assert_eq!((report["facets"].as_u64(), report["heard"].as_u64()), (Some(4096), Some(4096)));
+    assert_eq!((report["facets"].as_u64(), report["received"].as_u64()), (Some(4096), Some(4096)));
     let channel = |name: &str| {
         let rows = report["channels"].as_array().unwrap();
         rows.iter().find(|row| row[0] == name).unwrap()[2].as_f64().unwrap()
@@ -66,7 +66,7 @@ fn the_map_has_every_channel_and_what_the_window_receives() {
         // In the nulls of the antennas there is next to nothing, but no facet is dark.
         assert!(read(name).iter().all(|dbw| dbw.is_finite() && *dbw < -100.0), "{name}");
     }
-    let (delay_us, received) = (read("delay_us"), read("heard"));
+    let (delay_us, received) = (read("delay_us"), read("received"));
     // The window opens at 26.8 us and listens 32 samples beyond its 118.
     for (delay_us, received) in delay_us.iter().zip(&received) {
         assert_eq!(*received == 1.0, *delay_us < 26.8 + 1.50, "{delay_us} us");
@@ -93,14 +93,14 @@ fn wrong_input_is_named() {
 /// Contacts of a scenario of two targets, no sea.
 #[cfg(feature = "hdf5")]
 #[test]
-fn contacts_are_those_of_the_pulse() {
+fn paths_are_those_of_the_pulse() {
     let folder = tempfile::tempdir().unwrap();
     let coastal = package().join("configs/coastal.toml").display().to_string();
     let ask = ["snapshot", &coastal, "--pulse", "137", "--paths", "c.h5", "--json"];
     let ended = nereus(folder.path(), &ask);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
-    assert_eq!((&report["contact_count"], &report["facets"]), (&2.into(), &0.into()));
+    assert_eq!((&report["path_count"], &report["facets"]), (&2.into(), &0.into()));
     let ended =
         nereus(folder.path(), &["run", &coastal, "--pace", "fast", "--pulses", "137..139", "--out", "r.h5"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
@@ -141,7 +141,7 @@ fn contacts_are_those_of_the_pulse() {
 
 #[cfg(not(feature = "hdf5"))]
 #[test]
-fn contacts_ask_for_hdf5() {
+fn paths_ask_for_hdf5() {
     let folder = tempfile::tempdir().unwrap();
     let ended = snapshot(folder.path(), &["--paths", "c.h5"]);
     assert_eq!(ended.code, 2);
@@ -157,7 +157,7 @@ fn a_headland_throws_its_shadow_on_the_sea_and_a_boat() {
         assert_eq!(ended.code, 0, "{}", ended.stderr);
         let report: serde_json::Value = serde_json::from_str(ended.stdout.trim()).unwrap();
         assert_eq!(report["facets"].as_u64(), Some(65536));
-        (report["heard"].as_u64().unwrap(), report["contact_count"].as_u64())
+        (report["received"].as_u64().unwrap(), report["path_count"].as_u64())
     };
     let ((hidden, _), (open, _)) = (received(&[]), received(&["--set", "sea.shadow.enabled=false"]));
     // Behind the hills, and behind waves at five degrees; what lies with its back to the antennas is dark in

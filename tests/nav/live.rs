@@ -20,7 +20,7 @@ use crate::sentences::solution_of;
 use crate::sources::{self, sentence};
 
 /// Longest wait for what must come.
-const PATIENCE: Duration = Duration::from_secs(5);
+const TIMEOUT: Duration = Duration::from_secs(5);
 
 fn start() -> TimeTag {
     solution_of(0).time
@@ -263,14 +263,14 @@ impl Listening {
             if what(&counts) {
                 return counts;
             }
-            assert!(begun.elapsed() < PATIENCE, "{counts:?}");
+            assert!(begun.elapsed() < TIMEOUT, "{counts:?}");
             sleep(Duration::from_millis(2));
         }
     }
 
     /// The next fixes, so many.
     fn next(&self, count: usize) -> Vec<f64> {
-        let fixes: Vec<Fix> = (0..count).map(|_| self.from.recv_timeout(PATIENCE).unwrap().fix).collect();
+        let fixes: Vec<Fix> = (0..count).map(|_| self.from.recv_timeout(TIMEOUT).unwrap().fix).collect();
         seconds(&fixes)
     }
 
@@ -466,7 +466,7 @@ fn a_file_is_replayed_in_time() {
     })
     .unwrap();
     // From 10 s before: 200 at once, of which the last is that of `from`, then ten in half a second.
-    let received: Vec<ReceivedFix> = (0..211).map(|_| reported.recv_timeout(PATIENCE).unwrap()).collect();
+    let received: Vec<ReceivedFix> = (0..211).map(|_| reported.recv_timeout(TIMEOUT).unwrap()).collect();
     let fixes: Vec<Fix> = received.iter().map(|received| received.fix).collect();
     assert!(same(&fixes, &whole[whole.len() - 211..]));
     for received in &received {
@@ -476,7 +476,7 @@ fn a_file_is_replayed_in_time() {
     assert!(opened.elapsed() >= Duration::from_millis(500));
     let ended = Instant::now();
     while feed.counts().connected {
-        assert!(ended.elapsed() < PATIENCE);
+        assert!(ended.elapsed() < TIMEOUT);
         sleep(Duration::from_millis(1));
     }
     let counts = feed.counts();
@@ -490,7 +490,7 @@ fn a_file_is_replayed_in_time() {
         let _ = to.send(received.fix);
     })
     .unwrap();
-    assert!(same(&[reported.recv_timeout(PATIENCE).unwrap()], &whole[..1]));
+    assert!(same(&[reported.recv_timeout(TIMEOUT).unwrap()], &whole[..1]));
     drop(feed);
     assert!(reported.iter().count() < 250);
 }

@@ -137,7 +137,7 @@ const STILL: Case = Case {
 };
 
 #[test]
-fn recorded_replica_finds_a_still_contact() {
+fn recorded_replica_finds_a_still_target() {
     for sweep in [Sweep::Up, Sweep::Down] {
         for shift in [0.0, 0.13e-8, 0.5e-8, 0.77e-8] {
             let case = Case { delay_s: STILL.delay_s + shift, ..STILL };
@@ -153,7 +153,7 @@ fn recorded_replica_finds_a_still_contact() {
 }
 
 #[test]
-fn recorded_replica_finds_a_moving_contact_where_the_chirp_puts_it() {
+fn recorded_replica_finds_a_moving_target_where_the_chirp_puts_it() {
     // p(t) e^{j 2 pi v t} = p(t + v/mu) e^{j pi v Tc - j pi v^2/mu} where both last: earlier by v/mu, v =
     // f_D.
     let waveform: Arc<dyn Waveform> = Arc::new(Lfm::new(60e6, 0.333e-6, Sweep::Up).unwrap());

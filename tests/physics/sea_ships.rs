@@ -44,7 +44,7 @@ fn abeam(scene: &Scene) -> Vec<PlatformTracks> {
     vec![track.clone(), track]
 }
 
-fn contacts_from(scene: &Scene, tracks: Vec<PlatformTracks>, index: u64) -> ScattererPaths {
+fn paths_from(scene: &Scene, tracks: Vec<PlatformTracks>, index: u64) -> ScattererPaths {
     let generator = PathGenerator::new(scene, PULSE_S, tracks).unwrap();
     let list = evaluate(scene, &generator, index).0;
     let finite = |column: &Vec<f64>| column.iter().all(|value| value.is_finite());
@@ -54,7 +54,7 @@ fn contacts_from(scene: &Scene, tracks: Vec<PlatformTracks>, index: u64) -> Scat
 }
 
 fn paths(scene: &Scene) -> ScattererPaths {
-    contacts_from(scene, abeam(scene), 3)
+    paths_from(scene, abeam(scene), 3)
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn tiny_and_huge_ships_slow_and_fast_ones() {
 fn a_ship_under_the_radar_and_crossing_ships() {
     let mut scene = with_ships(1.0, vec![ship(20.0, 5.0, [0.0, 0.0])]);
     let overhead = straight(&scene, [0.0, 0.0, 3000.0], [0.0; 3]);
-    let below = contacts_from(&scene, vec![overhead.clone(), overhead], 0);
+    let below = paths_from(&scene, vec![overhead.clone(), overhead], 0);
     assert!(!below.is_empty());
     // Five ships through one point, two of them one and the same.
     scene.ships = [0.0, 1.3, 2.6, 3.9, 3.9]

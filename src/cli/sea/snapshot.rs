@@ -102,7 +102,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     if let Some(count) = count {
         report.line(format!("pulse {}: {count} paths", args.pulse));
     }
-    report.value("contact_count", count);
+    report.value("path_count", count);
     if !mapped && args.paths.is_none() {
         report.line("no file was asked for: --out, --png, --paths");
     }
@@ -131,7 +131,7 @@ fn add_facets(report: &mut Report, pulse: u64, names: &[&str], snapshot: Option<
         }
     }
     report.value("pulse", pulse).value("facets", facets).value("illuminated", illuminated);
-    report.value("heard", received).value("channels", channels);
+    report.value("received", received).value("channels", channels);
 }
 
 fn draw(output: Output, name: &str, snapshot: &Snapshot, channel: usize) -> Result<(), SeaError> {

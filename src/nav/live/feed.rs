@@ -363,7 +363,9 @@ impl Replay {
             if left_s <= 0.0 {
                 return true;
             }
-            thread::sleep(line::PATIENCE.min(Duration::try_from_secs_f64(left_s).unwrap_or(line::PATIENCE)));
+            thread::sleep(
+                line::READ_TIMEOUT.min(Duration::try_from_secs_f64(left_s).unwrap_or(line::READ_TIMEOUT)),
+            );
         }
     }
 }

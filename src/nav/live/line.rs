@@ -1,6 +1,6 @@
 //! Lines on which navigation comes: serial ports and sockets, opened again when they vanish.
 //!
-//! A [`Line`] never waits longer than [`PATIENCE`] for bytes, so that whoever reads it can be stopped. A
+//! A [`Line`] never waits longer than [`READ_TIMEOUT`] for bytes, so that whoever reads it can be stopped. A
 //! device that vanishes, a connection that ends, are opened again, at most twice a second. Of those who
 //! connect one is received, others are turned away; one that is silent because its machine is gone is noticed
 //! after some 10 s (TCP keep-alive).
@@ -15,7 +15,7 @@ use socket2::{Domain, Protocol, SockRef, Socket, TcpKeepalive, Type};
 use super::Origin;
 
 /// How long bytes are waited for.
-pub(super) const PATIENCE: Duration = Duration::from_millis(40);
+pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(40);
 /// Time between attempts to open a line again.
 const REOPEN: Duration = Duration::from_millis(500);
 /// How long the answer of somebody who listens is waited for.
@@ -161,7 +161,7 @@ fn connect(address: SocketAddr, stop: &dyn Fn() -> bool) -> io::Result<TcpStream
 
 fn connected(stream: TcpStream) -> io::Result<Link> {
     stream.set_nonblocking(false)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.set_read_timeout(Some(READ_TIMEOUT))?;
     let alive = TcpKeepalive::new().with_time(ALIVE[0]).with_interval(ALIVE[1]);
     SockRef::from(&stream).set_tcp_keepalive(&alive)?;
     Ok(Link::Stream(Box::new(stream)))
@@ -169,7 +169,7 @@ fn connected(stream: TcpStream) -> io::Result<Link> {
 
 fn datagrams(address: SocketAddr) -> io::Result<UdpSocket> {
     let socket = UdpSocket::bind(address)?;
-    socket.set_read_timeout(Some(PATIENCE))?;
+    socket.set_read_timeout(Some(READ_TIMEOUT))?;
     Ok(socket)
 }
 
@@ -185,7 +185,7 @@ fn serial(path: &std::path::Path, baud: u32) -> io::Result<Box<dyn Read + Send>>
     }
     let text = path.to_str().ok_or(ErrorKind::InvalidInput)?;
     #[allow(unused_mut)]
-    let mut port = serialport::new(text, baud).timeout(PATIENCE).open_native()?;
+    let mut port = serialport::new(text, baud).timeout(READ_TIMEOUT).open_native()?;
     // Of a pseudo terminal the claim would outlive the reader.
     #[cfg(unix)]
     port.set_exclusive(false)?;
