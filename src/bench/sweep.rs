@@ -1,7 +1,7 @@
 //! Error and speed over the settings of `[fidelity]`, on one run.
 //!
 //! The pulses of the reference are made once ([`Judge`]); each setting is built, its error found at the same
-//! pulses, and its speed by a trial of [`TRIAL`] with all threads, without noise and recording. Pulses are
+//! pulses, and its speed by a trial with all threads, without noise and recording. Pulses are
 //! drawn for the blocks of the settings as written; other blocks have them at other places.
 //!
 //! A choice of the model is no error: it is compared with the model as written, both with the echo as
@@ -21,9 +21,6 @@ use crate::fidelity::echo_settings::EchoSettings;
 use crate::fidelity::sidelobe::NONE_DB;
 use crate::pipeline::build;
 use crate::pipeline::fault::BuildErrors;
-
-/// How long the speed of a setting is tried.
-pub const TRIAL: Duration = Duration::from_millis(600);
 
 /// Keys and values to be set on top of a scenario.
 pub type Overrides = Vec<(String, String)>;
@@ -113,7 +110,7 @@ pub fn name(change: &Overrides) -> String {
     if words.is_empty() { "as written".to_owned() } else { words.join(" ") }
 }
 
-/// Measures one setting; `None` of one that is among those known.
+/// Measures one setting, its speed for a `trial`; `None` of one that is among those known.
 ///
 /// # Errors
 /// A setting with which the run cannot be built, or a pulse that cannot be made.
@@ -121,6 +118,7 @@ pub fn point(
     judge: &Judge,
     run: &Run,
     change: &Overrides,
+    trial: Duration,
     known: &[Point],
 ) -> Result<Option<Point>, BuildErrors> {
     let run = noiseless(run);
@@ -131,7 +129,7 @@ pub fn point(
         return Ok(None);
     }
     let accuracy = judge.accuracy(&judge.make(stream.factory())?);
-    let resources = stream.resources_over(&run.scene.radar, TRIAL)?;
+    let resources = stream.resources_over(&run.scene.radar, trial)?;
     Ok(Some(Point {
         change: name(change),
         settings,
@@ -224,7 +222,7 @@ pub struct Sweep {
     pub refused: Vec<Refused>,
 }
 
-/// Sweeps settings and models. `load` makes a run of the scenario with some keys set; `progress` is reported
+/// Sweeps settings and models, the speed of each measured for a `trial`. `load` makes a run of the scenario with some keys set; `progress` is reported
 /// how many of how many are done, and what is found so far (which of it is on the front is known at the end).
 /// Settings and models that come to what is written already are left out.
 ///
@@ -233,6 +231,7 @@ pub struct Sweep {
 pub fn sweep(
     judge: &Judge,
     written_run: &Run,
+    trial: Duration,
     grid: bool,
     load: impl Fn(&Overrides) -> Result<Run, ConfigError>,
     mut progress: impl FnMut(usize, usize, &Sweep),
@@ -254,7 +253,7 @@ pub fn sweep(
                     Some(chosen) if !open => filled(run, chosen),
                     _ => run,
                 };
-                point(judge, &run, change, &sweep.points).map_err(|errors| errors.to_string())
+                point(judge, &run, change, trial, &sweep.points).map_err(|errors| errors.to_string())
             }
             Err(error) => Err(error.to_string()),
         };

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 
@@ -44,6 +45,9 @@ pub struct TradeoffArgs {
     /// Pulses, spread over the run, at which errors are measured
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = counts(1, u64::MAX))]
     pub error_pulses: u64,
+    /// Time for which the speed of each setting is measured, ms
+    #[arg(long, value_name = "MS", default_value_t = 600, value_parser = counts(1, 60_000))]
+    pub trial_ms: u64,
     /// Error that is wanted, dB (instead of fidelity.error_db)
     #[arg(long, value_name = "DB")]
     pub error_db: Option<f64>,
@@ -81,7 +85,8 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     drop(stream);
     let sampled = accuracy::sample(run.scene.seed, run.scene.pulses, block_pulses, args.error_pulses);
     let judge = reference(&run, sampled, threads)?;
-    let swept = swept(args.grid, &judge, &run, with_fast, &mut files)?;
+    let trial = (Duration::from_millis(args.trial_ms), args.grid);
+    let swept = swept(trial, &judge, &run, with_fast, &mut files)?;
     let best = taken(&swept.points, error_db);
     let mut report = Report::default();
     let (scenario, speed) = (run.path.display().to_string(), judge.pulses_per_s());
@@ -115,9 +120,9 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     report.print(args.output.format.json, out)
 }
 
-/// Tries every setting, with progress; the table grows with them.
+/// Tries every setting for so long, on a grid or not, with progress; the table grows with them.
 fn swept(
-    grid: bool,
+    (trial, grid): (Duration, bool),
     judge: &Judge,
     run: &Run,
     load: impl Fn(&Overrides) -> Result<Run, ConfigError>,
@@ -126,7 +131,7 @@ fn swept(
     say("settings ...");
     let (status, watcher) = progress::watch_of(0, "settings");
     let mut written = 0;
-    let swept = sweep(judge, run, grid, load, |done, all, sweep| {
+    let swept = sweep(judge, run, trial, grid, load, |done, all, sweep| {
         let _ = status.try_send(Status { passed: done as u64, total: all as u64, late: 0, dropped: 0 });
         if let Some(files) = files.as_mut().filter(|_| sweep.points.len() > written) {
             // What cannot be written now is reported at the end, when the whole table is.

@@ -25,8 +25,6 @@
 //! assert!((10.0 * worst.log10() - 4.15).abs() < 0.01);
 //! ```
 
-use std::collections::BTreeMap;
-
 /// Most standard deviations of an error from pulse to pulse that are added: the worst of some ten thousand,
 /// were it Gaussian.
 pub const SIGMAS: f64 = 4.0;
@@ -41,7 +39,8 @@ const MOST_CELLS: usize = 4096;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
     of: f64,
-    cells: BTreeMap<usize, f64>,
+    /// Of every cell up to the last that has a term.
+    cells: Vec<f64>,
     /// The cells of the run that is open, and the squares of those closed.
     open: Vec<(usize, f64)>,
     squares: f64,
@@ -60,7 +59,10 @@ impl Sum {
     /// Ends a run.
     pub(super) fn close(&mut self) {
         for (cell, own) in self.open.drain(..) {
-            *self.cells.entry(cell).or_default() += own;
+            if self.cells.len() <= cell {
+                self.cells.resize(cell + 1, 0.0);
+            }
+            self.cells[cell] += own;
             self.squares += own * own;
         }
     }
@@ -69,9 +71,10 @@ impl Sum {
     pub(super) fn join(&mut self, other: &Self) {
         self.of += other.of;
         self.squares += other.squares;
-        for (cell, other) in &other.cells {
-            *self.cells.entry(*cell).or_default() += other;
+        if self.cells.len() < other.cells.len() {
+            self.cells.resize(other.cells.len(), 0.0);
         }
+        self.cells.iter_mut().zip(&other.cells).for_each(|(own, other)| *own += other);
     }
 
     /// The sum of the terms.
@@ -93,7 +96,7 @@ impl Sum {
         if self.of <= 0.0 {
             return 0.0;
         }
-        let cells = self.cells.values().map(|cell| cell * cell).sum::<f64>();
+        let cells = self.cells.iter().map(|cell| cell * cell).sum::<f64>();
         let spread = ((cells - self.squares).max(0.0) + share * self.squares) / (self.of * self.of);
         self.of * worst_of(spread, deviations)
     }

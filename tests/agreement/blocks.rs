@@ -10,7 +10,7 @@ use nereus::pipeline::build;
 use nereus::pulse::Samples;
 use num_complex::Complex64;
 
-use crate::cases::some_of;
+use crate::cases::{sized, some_of};
 
 /// A scenario of the repository with some keys set, without recordings.
 fn scenario(name: &str, settings: &[(&str, &str)]) -> Run {
@@ -61,10 +61,13 @@ fn worst_db(found: &[Vec<Complex64>], reference: &[Vec<Complex64>]) -> f64 {
     worst_db
 }
 
-const SMALL: [(&str, &str); 2] = [("scene.patch_size_m", "[64, 64]"), ("stream.threads", "2")];
+/// A small patch.
+fn small() -> [(&'static str, &'static str); 2] {
+    [("scene.patch_size_m", sized("[64, 64]", "[32, 32]")), ("stream.threads", "2")]
+}
 
 fn with<'a>(more: &[(&'a str, &'a str)]) -> Vec<(&'a str, &'a str)> {
-    [&SMALL[..], more].concat()
+    [&small()[..], more].concat()
 }
 
 #[test]
@@ -142,7 +145,7 @@ fn isotropic_antennas_keep_the_error() {
 fn sidelobe_tiles_leave_what_their_gain_allows() {
     let range = 236..285;
     // 512 m, so that the beam of 42 m leaves most to its side lobes.
-    let wide = [("scene.facet_m", "4.0"), ("stream.threads", "2")];
+    let wide = [("scene.facet_m", sized("4.0", "8.0")), ("stream.threads", "2")];
     let of =
         |more: &[(&str, &str)]| samples(&scenario("mars-1.toml", &[&wide[..], more].concat()), range.clone());
     let exact = of(&[("fidelity.echo", "reference")]);
@@ -166,7 +169,7 @@ fn blocks_of_grazing_and_following_seas() {
     // The edges of mars-live are out of sight in a patch of full size, here of larger facets.
     let wide = [("scene.facet_m", "4.0"), ("stream.threads", "2")];
     for (name, settings, range) in
-        some_of([("mars-live.toml", &wide, 13_320..13_344), ("mars-4.toml", &SMALL, 240..264)])
+        some_of([("mars-live.toml", &wide, 13_320..13_344), ("mars-4.toml", &small(), 240..264)])
     {
         let settings = |echo| [&settings[..], &[("fidelity.echo", echo)]].concat();
         let exact = samples(&reference(scenario(name, &settings("fast"))), range.clone());

@@ -194,7 +194,7 @@ fn watched(folder: &Path, arguments: &[&str]) -> (Ended, BTreeSet<usize>) {
 fn tradeoff_sweeps_the_settings_and_writes_table_and_picture() {
     let folder = tempfile::tempdir().unwrap();
     let scene = ["--set", "scene.patch_size_m=[16, 16]", "--set", "scene.duration_s=0.25", "--threads", "2"];
-    let sweep = ["--error-pulses", "4", "--out", "swept", "--json"];
+    let sweep = ["--error-pulses", "4", "--trial-ms", "50", "--out", "swept", "--json"];
     let sea = sea();
     let arguments = [&["tradeoff", sea.as_str()], &scene[..], &sweep].concat();
     let (ended, seen) = watched(folder.path(), &arguments);

@@ -132,20 +132,29 @@ fn making_pulses_allocates_nothing() {
 #[test]
 #[ignore = "run by making_pulses_allocates_nothing in a process of its own"]
 fn counted_pipeline() {
-    counted_scenario("calibration.toml", &[], || true);
+    let pulses = made();
+    counted_scenario("calibration.toml", &[], pulses, || true);
     // A moving sea in blocks, slick and shadows included, long enough for many blocks.
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
     let small = [set("scene.patch_size_m", "[24, 24]"), set("scene.duration_s", "6")];
-    counted_scenario("sea.toml", &small, || true);
+    counted_scenario("sea.toml", &small, pulses, || true);
     // Sidelobe tiles in some blocks only, while the beam passes.
     let sidelobe = [
         set("scene.patch_size_m", "[64, 64]"),
         set("scene.duration_s", "6"),
         set("fidelity.sidelobe_db", "-20"),
     ];
-    counted_scenario("mars-1.toml", &sidelobe, || true);
+    counted_scenario("mars-1.toml", &sidelobe, pulses, || true);
     // Late and wrong reports, turbulence, clocks.
-    counted_scenario("errors.toml", &[set("scene.duration_s", "6")], || true);
+    counted_scenario("errors.toml", &[set("scene.duration_s", "6")], pulses, || true);
+}
+
+/// Rain takes long to plan, and is the same over any sea.
+const DRY: [(&str, &str); 2] = [("radar.rain_mmph", "0"), ("radar.rain_clutter", "false")];
+
+/// Pulses that are made as fast as they can be.
+fn made() -> u64 {
+    u64::from(cases(1200)).max(400)
 }
 
 /// What else a scene may have, on a patch that stays and on one that follows, in blocks and pulse by pulse.
@@ -162,7 +171,7 @@ fn counted_effects() {
                 echo = true, panel_m = 2.0, motion = 'waves' }]";
     let hull = concat!(env!("CARGO_MANIFEST_DIR"), "/hulls/wigley.toml");
     let effects = [
-        set("scene.duration_s", "8"),
+        set("scene.duration_s", "6"),
         set("sea.scattering.breaking", "'whitecaps'"),
         set("sea.scattering.modulation", "'relaxation'"),
         set("sea.waves", "'choppy'"),
@@ -184,10 +193,16 @@ fn counted_effects() {
         ("scene.patch", "'follow'"),
         ("scene.patch_follow", "{ kind = 'beside', platform = 'aircraft', across_m = 3000.0 }"),
     ];
-    counted_scenario("sea.toml", &with(&sea), || true);
+    let pulses = made();
+    counted_scenario("sea.toml", &with(&sea), pulses, || true);
     let afloat = [("sea.waves", "'linear'"), ("target.0.floating", "true")];
-    counted_scenario("sea.toml", &with(&[&sea[..], &along, &afloat].concat()), || true);
-    counted_scenario("sea.toml", &with(&[&sea[..], &[("fidelity.echo", "'reference'")]].concat()), || true);
+    counted_scenario("sea.toml", &with(&[&sea[..], &along, &afloat, &DRY].concat()), pulses, || true);
+    counted_scenario(
+        "sea.toml",
+        &with(&[&sea[..], &[("fidelity.echo", "'reference'")]].concat()),
+        pulses,
+        || true,
+    );
     // Land, and what it hides.
     let coast = [
         ("scene.patch_size_m", "[128, 128]"),
@@ -195,7 +210,7 @@ fn counted_effects() {
         ("radar.window.samples", "64"),
         ("radar.window.start_us", "12.0"),
     ];
-    counted_scenario("coast.toml", &with(&coast), || true);
+    counted_scenario("coast.toml", &with(&[&coast[..], &DRY].concat()), pulses, || true);
 }
 
 /// The wire: to a receiver that listens, and to none; descriptions once a second included.
@@ -211,9 +226,9 @@ fn counted_wire() {
     let set = |key: &str, value: String| (key.to_owned(), value);
     let address = format!("\"{}\"", socket.local_addr().unwrap());
     let settings = [set("sink.0.address", address), set("scene.duration_s", "6".to_owned())];
-    counted_scenario("live-wire.toml", &settings, || true);
+    counted_scenario("live-wire.toml", &settings, 1200, || true);
     drop(socket);
-    counted_scenario("live-wire.toml", &settings, || true);
+    counted_scenario("live-wire.toml", &settings, 1200, || true);
 }
 
 fn is_free(mut address: std::net::SocketAddr, next: u16) -> bool {
@@ -263,7 +278,7 @@ fn counted_publishers() {
     });
     for messages in ["samples", "multipart"] {
         let sink = format!("{{ kind = 'zmq', bind = '{port}', messages = '{messages}', buffer_pulses = 8 }}");
-        counted_scenario("live-wire.toml", &set(&sink), || SUBSCRIBED.load(Ordering::Relaxed));
+        counted_scenario("live-wire.toml", &set(&sink), 1200, || SUBSCRIBED.load(Ordering::Relaxed));
     }
 }
 
@@ -282,8 +297,9 @@ fn wait_for_threads(most: Option<usize>) {
     }
 }
 
-/// Nothing is counted before it is `ready`, or a second has passed.
-fn counted_scenario(name: &str, settings: &[(String, String)], ready: impl Fn() -> bool + Sync) {
+/// So many pulses as fast as they are made, then some in real time. Nothing is counted before it is `ready`, or a
+/// second has passed.
+fn counted_scenario(name: &str, settings: &[(String, String)], pulses: u64, ready: impl Fn() -> bool + Sync) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
     let mut run = nereus::config::load(&path, settings).unwrap();
     // What sends stays.
@@ -291,11 +307,11 @@ fn counted_scenario(name: &str, settings: &[(String, String)], ready: impl Fn() 
     run.sinks.retain(|sink| matches!(sink.kind, Vita49(_) | Zmq(_)));
     run.stream.threads = 2;
     run.stream.policy = Policy::Drop;
+    run.scene.pulses = pulses;
     let before_all = threads();
     // Both workers make blocks before it is counted, and meanwhile.
-    let end = u64::from(cases(1200)).max(400);
     for (pace, end, from, to) in
-        [(Pace::Fast, end, (end / 6).max(150), end * 5 / 6), (Pace::Realtime, 400, 100, 350)]
+        [(Pace::Fast, pulses, (pulses / 6).max(150), pulses * 5 / 6), (Pace::Realtime, 400, 100, 350)]
     {
         // Workers of the run before may end late, and give back what they have.
         wait_for_threads(before_all);

@@ -19,6 +19,11 @@ pub fn some_of<I: IntoIterator<IntoIter: ExactSizeIterator>>(list: I) -> impl It
     list.take(count)
 }
 
+/// What is as large as it should be, or enough where there are to be fewer [`cases`].
+pub fn sized<T>(whole: T, enough: T) -> T {
+    if cases(100) < 100 { enough } else { whole }
+}
+
 /// The settings of a `proptest!` with so many [`cases`].
 pub fn proptests(n: u32) -> ProptestConfig {
     ProptestConfig::with_cases(cases(n))
