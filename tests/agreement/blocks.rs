@@ -61,9 +61,11 @@ fn worst_db(found: &[Vec<Complex64>], reference: &[Vec<Complex64>]) -> f64 {
     worst_db
 }
 
-/// A small patch.
+const SMALL: [(&str, &str); 2] = [("scene.patch_size_m", "[64, 64]"), ("stream.threads", "2")];
+
+/// [`SMALL`], or smaller.
 fn small() -> [(&'static str, &'static str); 2] {
-    [("scene.patch_size_m", sized("[64, 64]", "[32, 32]")), ("stream.threads", "2")]
+    [("scene.patch_size_m", sized(SMALL[0].1, "[32, 32]")), SMALL[1]]
 }
 
 fn with<'a>(more: &[(&'a str, &'a str)]) -> Vec<(&'a str, &'a str)> {
@@ -74,7 +76,10 @@ fn with<'a>(more: &[(&'a str, &'a str)]) -> Vec<(&'a str, &'a str)> {
 fn blocks_keep_the_error_that_their_nodes_allow() {
     // The beam passes over the patch; a whole block and parts of two.
     let range = 236..285;
-    let exact = samples(&scenario("mars-1.toml", &with(&[("fidelity.echo", "reference")])), range.clone());
+    let of = |more: &[(&str, &str)]| {
+        samples(&scenario("mars-1.toml", &[&SMALL[..], more].concat()), range.clone())
+    };
+    let exact = of(&[("fidelity.echo", "reference")]);
     // Kernel width 5 and single precision leave -80 dB. Cubics through nodes: the error grows with the fourth
     // power of the spacing, 7 dB from 8 to 12 pulses and 5 from there to 16, and more where the shortest
     // waves are no longer resolved. Gains at 4 pulses do not show, at 8 they are all that does (six points
@@ -88,8 +93,7 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
             ("fidelity.kernel_width", "5"),
             ("fidelity.sidelobe_db", "-400"),
         ];
-        let run = scenario("mars-1.toml", &with(&written));
-        let error_db = worst_db(&samples(&run, range.clone()), &exact);
+        let error_db = worst_db(&of(&written), &exact);
         println!("mars-1, 64 x 64, nodes {node} pulses apart, gains {gain}: worst {error_db:.1} dB");
         assert!(error_db < allowed_db);
         assert!(gain == "4" || gain == "1" || error_db > -50.0, "gains 8 pulses apart make a difference");
@@ -101,14 +105,17 @@ fn blocks_keep_the_error_that_their_nodes_allow() {
 #[test]
 fn grazing_facets_need_more_epochs_than_the_sea() {
     let range = 240..282;
-    let exact = samples(&scenario("mars-4.toml", &with(&[("fidelity.echo", "reference")])), range.clone());
+    let exact = samples(
+        &scenario("mars-4.toml", &[&SMALL[..], &[("fidelity.echo", "reference")]].concat()),
+        range.clone(),
+    );
     let of = |epochs| {
         let written = [
             ("fidelity.node_pulses", "12"),
             ("fidelity.scatter_pulses", epochs),
             ("fidelity.gain_pulses", "3"),
         ];
-        worst_db(&samples(&scenario("mars-4.toml", &with(&written)), range.clone()), &exact)
+        worst_db(&samples(&scenario("mars-4.toml", &[&SMALL[..], &written].concat()), range.clone()), &exact)
     };
     let (often, seldom) = (of("4"), of("12"));
     println!("mars-4, 64 x 64: epochs 4 pulses apart {often:.1} dB, 12 apart {seldom:.1} dB");
