@@ -222,8 +222,9 @@ pub struct Sweep {
     pub refused: Vec<Refused>,
 }
 
-/// Sweeps settings and models, the speed of each measured for a `trial`. `load` makes a run of the scenario with some keys set; `progress` is reported
-/// how many of how many are done, and what is found so far (which of it is on the front is known at the end).
+/// Sweeps settings and models, the speed of each measured for a `trial`. `load` makes a run of the scenario
+/// with some keys set; `progress` is reported how many of how many are done, and what is found so far (which
+/// of it is on the front is known at the end).
 /// Settings and models that come to what is written already are left out.
 ///
 /// # Errors

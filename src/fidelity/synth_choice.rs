@@ -36,6 +36,8 @@ pub(super) struct SynthChoice {
     /// Error of these.
     pub single_error: PredictedError,
     gridding: PredictedError,
+    /// Of points, what gridding leaves.
+    gridding_of_points: f64,
     of_envelope: f64,
     of_doppler: DopplerError,
 }
@@ -43,7 +45,15 @@ pub(super) struct SynthChoice {
 impl SynthChoice {
     /// Error in blocks of so many pulses.
     pub fn error_of(&self, block: u64) -> PredictedError {
-        PredictedError { doppler: self.of_doppler.of_blocks(block) + self.of_envelope, ..self.gridding }
+        let in_phase = self.in_phase(self.of_doppler.of_points(block));
+        let doppler = self.of_doppler.of_blocks(block) + in_phase + self.of_envelope;
+        PredictedError { doppler, ..self.gridding }
+    }
+
+    /// What Doppler and gridding leave of a point lies at the ends of its band alike, and both may be in phase:
+    /// what that adds to the powers of both.
+    fn in_phase(&self, doppler_of_points: f64) -> f64 {
+        2.0 * (self.gridding_of_points * doppler_of_points).sqrt()
     }
 }
 
@@ -64,10 +74,14 @@ struct DopplerError {
 }
 
 impl DopplerError {
+    /// Of points, in blocks of so many pulses.
+    fn of_points(&self, pulses: u64) -> f64 {
+        self.of_points.iter().find(|(block, _)| *block == pulses).map_or(0.0, |(_, of)| *of)
+    }
+
     /// In blocks of so many pulses.
     fn of_blocks(&self, pulses: u64) -> f64 {
-        let of_points = self.of_points.iter().find(|(block, _)| *block == pulses).map_or(0.0, |(_, of)| *of);
-        self.of_facets + of_points
+        self.of_facets + self.of_points(pulses)
     }
 }
 
@@ -102,7 +116,17 @@ impl Echoes<'_> {
             }
         }
         let (mut single, single_error) = (settings, gridding);
-        let mut choice = SynthChoice { settings, single, single_error, gridding, of_envelope, of_doppler };
+        let gridding_of_points =
+            gridding.gridding * sampler.peak([0.0, 2.0]) / sampler.peak([1.0, 2.0]).max(1.0);
+        let mut choice = SynthChoice {
+            settings,
+            single,
+            single_error,
+            gridding,
+            gridding_of_points,
+            of_envelope,
+            of_doppler,
+        };
         choice.single_error = choice.error_of(1);
         // Pulses by themselves can be split into bands of Doppler.
         let most = OF_BANDS * budget.power;
@@ -111,7 +135,8 @@ impl Echoes<'_> {
             if let Some((band_hz, doppler)) = self.band(sampler, of, fft_len, most) {
                 single.band_hz = Some(band_hz);
                 choice.single = single;
-                choice.single_error = PredictedError { doppler: doppler + of_envelope, ..gridding };
+                let doppler = doppler + choice.in_phase(doppler) + of_envelope;
+                choice.single_error = PredictedError { doppler, ..gridding };
             }
         }
         Ok(choice)

@@ -152,7 +152,7 @@ fn isotropic_antennas_keep_the_error() {
 fn sidelobe_tiles_leave_what_their_gain_allows() {
     let range = 236..285;
     // 512 m, so that the beam of 42 m leaves most to its side lobes.
-    let wide = [("scene.facet_m", sized("4.0", "8.0")), ("stream.threads", "2")];
+    let wide = [("scene.facet_m", "4.0"), ("stream.threads", "2")];
     let of =
         |more: &[(&str, &str)]| samples(&scenario("mars-1.toml", &[&wide[..], more].concat()), range.clone());
     let exact = of(&[("fidelity.echo", "reference")]);

@@ -93,7 +93,7 @@ fn memory_is_that_predicted() {
         (small, &ship[..]),
     ] {
         let patch = ["bench", &config, "--set", patch];
-        let short = ["--pulses", "100", "--error-pulses", "0", "--threads", "2", "--json"];
+        let short = ["--pulses", "50", "--error-pulses", "0", "--threads", "2", "--json"];
         let arguments = [&patch[..], &short[..], more].concat();
         let report = json(&nereus(folder.path(), &arguments));
         let (found, predicted) = (number(&report, "peak_rss_mib"), number(&report, "predicted_rss_mib"));

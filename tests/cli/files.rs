@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+use crate::cases::sized;
 use crate::listing::listing;
 use crate::program::{Ended, command, nereus, package, started};
 
@@ -405,7 +406,7 @@ fn every_call_that_fails_is_reported_and_leaves_whole_pulses() {
                     report["sinks"][0]["written"]
                 ));
             }
-            at += if all || at < 4 { 1 } else { 1 + at / 5 };
+            at += if all || at < 4 { 1 } else { 1 + at / sized(5, 2) };
         }
         println!("{name}, stays {stays}: {runs} runs, {failed} failed with an error; {} calls", at - 1);
         assert!(runs > 5, "{name}: the library was not loaded");

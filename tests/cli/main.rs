@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 mod bench;
+#[path = "../support/cases.rs"]
+mod cases;
 #[cfg(unix)]
 mod control;
 mod examples;

@@ -12,6 +12,8 @@ use nereus::sea::spectrum::light_wind::threshold_mps;
 use nereus::sea::spectrum::{LightWind, Spectrum, WaveVector, of_kind};
 use nereus::sea::wind::Wind;
 
+use crate::cases::sized;
+
 const BANDS: [(&str, f64); 4] = [("L", 1.3e9), ("C", 5.3e9), ("X", 10e9), ("Ka", 35e9)];
 
 fn elfouhaily() -> SpectrumKind {
@@ -87,7 +89,7 @@ fn more_wind_never_returns_less() {
                 }
                 *last = found;
             }
-            u10_mps *= 1.12;
+            u10_mps *= sized(1.12, 1.3);
         }
     }
 }

@@ -11,6 +11,7 @@ use nereus::scene::target::{Aspect, Floating};
 use nereus::sea::realise::realise;
 use nereus::units::SPEED_OF_LIGHT_MPS;
 
+use crate::cases::sized;
 use crate::radar_scenes::{evaluate, scene, straight, target};
 use crate::sea_paths::sea;
 
@@ -117,7 +118,7 @@ fn a_hull_averages_waves_that_are_shorter() {
                 variance += if half > 0.0 { 2.0 * a.norm_sqr() * share * share } else { 0.0 };
             }
         }
-        let heights = (0..2220).step_by(5).map(|index| height(&scene, &generator, index)[0] - 1.5);
+        let heights = (0..2220).step_by(sized(5, 20)).map(|index| height(&scene, &generator, index)[0] - 1.5);
         let heights: Vec<f64> = heights.collect();
         let mean_square = heights.iter().map(|z| z * z).sum::<f64>() / heights.len() as f64;
         (mean_square / variance, variance)

@@ -297,8 +297,8 @@ fn wait_for_threads(most: Option<usize>) {
     }
 }
 
-/// So many pulses as fast as they are made, then some in real time. Nothing is counted before it is `ready`, or a
-/// second has passed.
+/// So many pulses as fast as they are made, then some in real time. Nothing is counted before it is `ready`,
+/// or a second has passed.
 fn counted_scenario(name: &str, settings: &[(String, String)], pulses: u64, ready: impl Fn() -> bool + Sync) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
     let mut run = nereus::config::load(&path, settings).unwrap();
