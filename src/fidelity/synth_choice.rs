@@ -36,8 +36,8 @@ pub(super) struct SynthChoice {
     /// Error of these.
     pub single_error: PredictedError,
     gridding: PredictedError,
-    /// Of points, what gridding leaves.
-    gridding_of_points: f64,
+    /// Of points, what gridding and what rigid envelopes leave.
+    of_points: [f64; 2],
     of_envelope: f64,
     of_doppler: DopplerError,
 }
@@ -50,10 +50,12 @@ impl SynthChoice {
         PredictedError { doppler, ..self.gridding }
     }
 
-    /// What Doppler and gridding leave of a point lies at the ends of its band alike, and both may be in phase:
-    /// what that adds to the powers of both.
+    /// What gridding, rigid envelopes and Doppler leave of a point lies at the ends of its band alike, and may be
+    /// in phase: what that adds to their powers.
     fn in_phase(&self, doppler_of_points: f64) -> f64 {
-        2.0 * (self.gridding_of_points * doppler_of_points).sqrt()
+        let [gridding, envelope] = self.of_points.map(f64::sqrt);
+        let doppler = doppler_of_points.sqrt();
+        2.0 * (gridding * envelope + gridding * doppler + envelope * doppler)
     }
 }
 
@@ -116,17 +118,11 @@ impl Echoes<'_> {
             }
         }
         let (mut single, single_error) = (settings, gridding);
-        let gridding_of_points =
-            gridding.gridding * sampler.peak([0.0, 2.0]) / sampler.peak([1.0, 2.0]).max(1.0);
-        let mut choice = SynthChoice {
-            settings,
-            single,
-            single_error,
-            gridding,
-            gridding_of_points,
-            of_envelope,
-            of_doppler,
-        };
+        let of_points = [(gridding.gridding, 2.0), (of_envelope, 1.0)].map(|(of_all, images)| {
+            of_all * sampler.peak([0.0, images]) / sampler.peak([1.0, images]).max(1.0)
+        });
+        let mut choice =
+            SynthChoice { settings, single, single_error, gridding, of_points, of_envelope, of_doppler };
         choice.single_error = choice.error_of(1);
         // Pulses by themselves can be split into bands of Doppler.
         let most = OF_BANDS * budget.power;
