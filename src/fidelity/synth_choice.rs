@@ -50,8 +50,8 @@ impl SynthChoice {
         PredictedError { doppler, ..self.gridding }
     }
 
-    /// What gridding, rigid envelopes and Doppler leave of a point lies at the ends of its band alike, and may be
-    /// in phase: what that adds to their powers.
+    /// What gridding, rigid envelopes and Doppler leave of a point lies at the ends of its band alike, and
+    /// may be in phase: what that adds to their powers.
     fn in_phase(&self, doppler_of_points: f64) -> f64 {
         let [gridding, envelope] = self.of_points.map(f64::sqrt);
         let doppler = doppler_of_points.sqrt();

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use crate::cases::sized;
 use crate::program::{nereus, package};
 
 #[test]
@@ -21,6 +22,9 @@ fn every_scenario_of_the_repository_checks() {
             arguments.extend(["--set", "scene.patch_size_m=[32, 32]"]);
         } else if text.contains("facet_m = 0.492") {
             arguments.extend(["--set", "scene.patch_size_m=[31.488, 31.488]"]);
+        } else if text.contains("patch_size_m = [128.0, 128.0]") {
+            arguments
+                .extend(["--set", sized("scene.patch_size_m=[128, 128]", "scene.patch_size_m=[32, 32]")]);
         }
         let ended = nereus(elsewhere.path(), &arguments);
         assert_eq!(ended.code, 0, "{}: {}", path.display(), ended.stderr);
