@@ -85,7 +85,7 @@ fn main() {
         "{count} paths x {PULSES} pulses x 4 channels, {nodes_per_block} nodes (cubic amplitudes), f32, one thread"
     );
     println!(
-        "variant    width  Mpath-pulse/s  ns each  cycles*  fill ms  spectra us/pulse  error dB (predicted)"
+        "variant    width     Mpath-pulse/s  ns each  cycles*  fill ms  spectra us/pulse  error dB (predicted)"
     );
     for variant in Variant::ALL {
         if !variant.is_available() {

@@ -36,7 +36,7 @@ pub(super) struct SynthChoice {
     /// Error of these.
     pub single_error: PredictedError,
     gridding: PredictedError,
-    /// Of points, what gridding and what rigid envelopes leave.
+    /// What gridding and what rigid envelopes leave of points.
     of_points: [f64; 2],
     of_envelope: f64,
     of_doppler: DopplerError,
@@ -50,8 +50,8 @@ impl SynthChoice {
         PredictedError { doppler, ..self.gridding }
     }
 
-    /// What gridding, rigid envelopes and Doppler leave of a point lies at the ends of its band alike, and
-    /// may be in phase: what that adds to their powers.
+    /// What the sum of amplitudes adds to the sum of powers: the errors of gridding, rigid envelopes and
+    /// Doppler of a point all lie at the ends of its band, and may be in phase.
     fn in_phase(&self, doppler_of_points: f64) -> f64 {
         let [gridding, envelope] = self.of_points.map(f64::sqrt);
         let doppler = doppler_of_points.sqrt();
@@ -126,13 +126,16 @@ impl Echoes<'_> {
         choice.single_error = choice.error_of(1);
         // Pulses by themselves can be split into bands of Doppler.
         let most = OF_BANDS * budget.power;
-        if asked.doppler.is_none() && choice.single_error.doppler > most {
+        if asked.doppler.is_none() && choice.of_doppler.of_blocks(1) + of_envelope > most {
             let of = (settings.doppler, settings.envelope);
-            if let Some((band_hz, doppler)) = self.band(sampler, of, fft_len, most) {
-                single.band_hz = Some(band_hz);
-                choice.single = single;
-                let doppler = doppler + choice.in_phase(doppler) + of_envelope;
-                choice.single_error = PredictedError { doppler, ..gridding };
+            if let Some((band_hz, left)) = self.band(sampler, of, fft_len, most) {
+                let of_points = left * sampler.peak([0.0, 1.0]) / sampler.peak([1.0, 1.0]).max(1.0);
+                let doppler = left + choice.in_phase(of_points) + of_envelope;
+                if doppler < choice.single_error.doppler {
+                    single.band_hz = Some(band_hz);
+                    choice.single = single;
+                    choice.single_error = PredictedError { doppler, ..gridding };
+                }
             }
         }
         Ok(choice)

@@ -3,9 +3,8 @@
 //! Candidates are drawn cell by cell and slot by slot of time; the surface in the middle of a slot decides
 //! which of them break, and how high they ride. What breaks in the slots about a pulse is found once for all
 //! threads; it depends on neither them nor the order in which pulses are made. Where the patch follows, it is
-//! found over a
-//! **region** that holds the patch wherever this begins in a square a quarter as long, so that a patch that
-//! moves on by a facet finds what it needs; a pulse takes those on its own patch.
+//! found over a **region** that holds the patch wherever this begins in a square a quarter as long, so that a
+//! patch that moves on by a facet finds what it needs; a pulse takes those on its own patch.
 
 use std::sync::Arc;
 

@@ -15,8 +15,9 @@
 //! window are when it begins. It follows from that instant alone. A beam that turns into the rain meanwhile
 //! sees more until the slot ends; none are left out.
 //!
-//! Its matrix is that of a Rayleigh scatterer, a dipole along the field that it meets: `sqrt(eta V) e_p .
-//! e_q` in the bases of the path, all of it back and none at right angles in the plane of the field.
+//! Its matrix is that of a Rayleigh scatterer, a dipole along the field that it meets:
+//! `sqrt(eta V) e_p . e_q` in the bases of the path, all of it back and none at right angles in the plane of
+//! the field.
 //!
 //! Paths are found exactly and at every pulse by both echoes. Limits: main lobes of the antennas
 //! ([`crate::radar::lobe`]); the window's own emission, so that rain beyond the pulse interval does not fold

@@ -5,8 +5,8 @@
 //!   data end at some 17 m/s; above [`MOST_WIND_MPS`] it is held.
 //! - **Speeds**: Phillips' crest length per area and speed `L(c) ~ c^-6` (1985) times what a crest sweeps in
 //!   its life, `w = c T/4 ~ c^2`: the coverage is spread over speeds as `c^-4`, from `c_0` to `c_1`:
-//!   `c_1 = min(0.8 c_p, 6 m/s)`, at least 1.3 (`c_p = 1.2 U10`, a fully risen sea), `c_0 = min(c_1/2, 2
-//!   m/s)`.
+//!   `c_1 = min(0.8 c_p, 6 m/s)`, at least 1.3 (`c_p = 1.2 U10`, a fully risen sea),
+//!   `c_0 = min(c_1/2, 2 m/s)`.
 //! - **Lives** are a quarter of the period `T = 2 pi c/g` of a wave as fast: 0.1 to 1 s.
 //! - **Areas** are exponential, as lengths of crests are, about `lambda^2/8`: `lambda/4` wide and in the mean
 //!   half a wave `lambda = c T` long.

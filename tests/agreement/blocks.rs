@@ -243,8 +243,9 @@ fn travelling_waves_keep_the_error() {
 #[test]
 fn any_part_of_a_run_has_the_same_bits() {
     let small = ("scene.patch_size_m", "[32, 32]");
-    let travelling =
-        [("sea.scattering.bragg", "travelling"), ("radar.carrier_hz", "1.3e9"), ("ship", "[]"), small];
+    // Short waves of a ship take long to plan in L band.
+    let of_ship = sized(("ship.0.wake_bragg", "true"), ("ship", "[]"));
+    let travelling = [("sea.scattering.bragg", "travelling"), ("radar.carrier_hz", "1.3e9"), of_ship, small];
     for (name, more) in [("mars-1.toml", &[][..]), ("mars-live.toml", &[]), ("mars-1.toml", &travelling)] {
         let settings = |threads| {
             let own = [("stream.threads", threads), ("scene.duration_s", "2.0")];

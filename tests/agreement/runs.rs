@@ -22,9 +22,11 @@ pub fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
     run
 }
 
-/// The begin of a run, where there are to be fewer cases.
+/// The begin of a run over a sea, where there are to be fewer cases.
 pub fn shortened(mut run: Run) -> Run {
-    run.scene.pulses = run.scene.pulses.min(sized(u64::MAX, 40));
+    if run.scene.sea.is_some() {
+        run.scene.pulses = run.scene.pulses.min(sized(u64::MAX, 40));
+    }
     run
 }
 

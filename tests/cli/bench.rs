@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use std::thread::sleep;
+use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};
 
+use crate::cases::sized;
 use crate::program::{Ended, nereus, package, started};
 
 fn sea() -> String {
@@ -93,7 +94,7 @@ fn memory_is_that_predicted() {
         (small, &ship[..]),
     ] {
         let patch = ["bench", &config, "--set", patch];
-        let short = ["--pulses", "50", "--error-pulses", "0", "--threads", "2", "--json"];
+        let short = ["--pulses", sized("100", "50"), "--error-pulses", "0", "--threads", "2", "--json"];
         let arguments = [&patch[..], &short[..], more].concat();
         let report = json(&nereus(folder.path(), &arguments));
         let (found, predicted) = (number(&report, "peak_rss_mib"), number(&report, "predicted_rss_mib"));
@@ -180,14 +181,15 @@ fn watched(folder: &Path, arguments: &[&str]) -> (Ended, BTreeSet<usize>) {
         table.and_then(|path| fs::read_to_string(path).ok()).unwrap_or_default().lines().count()
     };
     let begun = Instant::now();
-    let mut child = started(folder, arguments);
+    let child = started(folder, arguments);
+    let ended = spawn(|| child.wait_with_output().unwrap());
     let mut seen = BTreeSet::new();
-    while child.try_wait().unwrap().is_none() {
+    while !ended.is_finished() {
         seen.insert(lines());
         assert!(begun.elapsed().as_secs() < 300, "{seen:?}");
         sleep(Duration::from_millis(2));
     }
-    (child.wait_with_output().unwrap().into(), seen)
+    (ended.join().unwrap().into(), seen)
 }
 
 #[test]

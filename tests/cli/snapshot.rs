@@ -90,7 +90,7 @@ fn wrong_input_is_named() {
     assert!(ended.code == 2 && ended.stderr.contains("no [sea]"), "{}", ended.stderr);
 }
 
-/// Contacts of a scenario of two targets, no sea.
+/// Paths of a scenario of two targets, no sea.
 #[cfg(feature = "hdf5")]
 #[test]
 fn paths_are_those_of_the_pulse() {

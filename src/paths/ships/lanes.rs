@@ -3,8 +3,7 @@
 //! The equations are those of [`Body::path`](super::body::Body::path), in f64, without branches. Instead of
 //! the bases of the scattering matrix it has the fields of the antennas' ports themselves: both components of
 //! a transversal field in any basis make up the field, so what a port of unit vector `e_a` receives of
-//! another of
-//! `e_b` is
+//! another of `e_b` is
 //!
 //! `S_ab = -j k/sqrt(pi) I e_a.J(e_b)` , `J(e) = r (n.e) - e (n.r)` ,
 //!

@@ -17,8 +17,8 @@
 //! 0.
 //!
 //! Allan variance (D. W. Allan, *Proc. IEEE* 54 (1966) 221; IEEE 1139):
-//! `h_-2 (2 pi^2/3) tau + h_-1 2 ln 2 + h_0/(2 tau) + h_1 (1.038 + 3 ln(2 pi f_h tau))/(4 pi^2 tau^2) + h_2 3
-//! f_h/(4 pi^2 tau^2)`.
+//! `h_-2 (2 pi^2/3) tau + h_-1 2 ln 2 + h_0/(2 tau) + h_1 (1.038 + 3 ln(2 pi f_h tau))/(4 pi^2 tau^2) +
+//! 3 h_2 f_h/(4 pi^2 tau^2)`.
 //!
 //! ```
 //! use nereus::radar::clock::noise::{adev, preset};

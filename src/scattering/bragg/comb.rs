@@ -8,8 +8,7 @@
 //! `x = (omega - Omega)/R`, `R = sqrt(11) s`
 //!
 //! `f` is a bell of mean `Omega` and deviation `s` that ends at `R`: near a Gaussian (kurtosis 2.5). `Omega`
-//! and
-//! `s` change as antennas fly past. The phase of a component does not know of it, so that its rate is
+//! and `s` change as antennas fly past. The phase of a component does not know of it, so that its rate is
 //! `omega_m` at any time after the start; a phase `Omega(t) t` would be off by `t dOmega/dt`. The mean power
 //! is 1; at any instant about `3.7 s/d` components of equal weight make it.
 

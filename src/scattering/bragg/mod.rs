@@ -1,8 +1,7 @@
 //! Bragg waves that travel: random phases of facets with the Doppler of the waves that scatter.
 //!
 //! Of the roughness within a facet those waves scatter whose wave vector is `+K_B` or `-K_B`, `K_B` the part
-//! of
-//! `q = k (k_s - k_i)` in the plane ([`spm`](super::spm)); `q` points towards the antennas. A wave along
+//! of `q = k (k_s - k_i)` in the plane ([`spm`](super::spm)); `q` points towards the antennas. A wave along
 //! `+K_B` comes closer and raises the frequency by `omega(K_B)`, one along `-K_B` lowers it. So the Bragg
 //! phasor of a facet turns as the sum of two **lines**,
 //!
