@@ -118,9 +118,9 @@ impl Echoes<'_> {
             }
         }
         let (mut single, single_error) = (settings, gridding);
-        let of_points = [(gridding.gridding, 2.0), (of_envelope, 1.0)].map(|(of_all, images)| {
-            of_all * sampler.peak([0.0, images]) / sampler.peak([1.0, images]).max(1.0)
-        });
+        // What points have of an error in which each counts with so many images.
+        let share = |images: f64| sampler.peak([0.0, images]) / sampler.peak([1.0, images]).max(1.0);
+        let of_points = [gridding.gridding * share(2.0), of_envelope * share(1.0)];
         let mut choice =
             SynthChoice { settings, single, single_error, gridding, of_points, of_envelope, of_doppler };
         choice.single_error = choice.error_of(1);
@@ -129,8 +129,7 @@ impl Echoes<'_> {
         if asked.doppler.is_none() && choice.of_doppler.of_blocks(1) + of_envelope > most {
             let of = (settings.doppler, settings.envelope);
             if let Some((band_hz, left)) = self.band(sampler, of, fft_len, most) {
-                let of_points = left * sampler.peak([0.0, 1.0]) / sampler.peak([1.0, 1.0]).max(1.0);
-                let doppler = left + choice.in_phase(of_points) + of_envelope;
+                let doppler = left + choice.in_phase(left * share(1.0)) + of_envelope;
                 if doppler < choice.single_error.doppler {
                     single.band_hz = Some(band_hz);
                     choice.single = single;

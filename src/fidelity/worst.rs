@@ -59,9 +59,7 @@ impl Sum {
     /// Ends a run.
     pub(super) fn close(&mut self) {
         for (cell, own) in self.open.drain(..) {
-            if self.cells.len() <= cell {
-                self.cells.resize(cell + 1, 0.0);
-            }
+            self.cells.resize(self.cells.len().max(cell + 1), 0.0);
             self.cells[cell] += own;
             self.squares += own * own;
         }
@@ -71,9 +69,7 @@ impl Sum {
     pub(super) fn join(&mut self, other: &Self) {
         self.of += other.of;
         self.squares += other.squares;
-        if self.cells.len() < other.cells.len() {
-            self.cells.resize(other.cells.len(), 0.0);
-        }
+        self.cells.resize(self.cells.len().max(other.cells.len()), 0.0);
         self.cells.iter_mut().zip(&other.cells).for_each(|(own, other)| *own += other);
     }
 

@@ -336,7 +336,7 @@ impl Chunk {
                 Surfaces::Land(land, sheet) => self.scatter_land(land, sheet, pair, patch),
                 Surfaces::Water(water, poses, kind) => {
                     if !self.scatter_water((water, poses, kind), pair, reception.elapsed_s, patch) {
-                        // Columns of a chunk have one length.
+                        debug_assert!(false, "columns of a chunk differ in length");
                         continue;
                     }
                 }

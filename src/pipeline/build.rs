@@ -151,23 +151,19 @@ fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
 
 /// Faults of the sea and of hulls that were not looked for, because others stopped the radar from being made.
 fn unmet(scene: &Scene, errors: &BuildErrors) -> Vec<BuildError> {
-    let mut found = Vec::new();
     let of_sea = |fault: &RadarFault| matches!(fault, RadarFault::Sea(_));
     let met = errors.0.iter().any(
         |error| matches!(error, BuildError::Radar(RadarError::Faults(faults)) if faults.iter().any(of_sea)),
     );
-    if let Some(sea) = scene.sea.as_ref().filter(|_| !met) {
-        found.extend(realise(sea, scene.seed).err().map(BuildError::Sea));
-        let reported = |name: &str| {
-            errors.0.iter().any(|error| matches!(error, BuildError::Ship(fault) if fault.ship == name))
-        };
-        let hulls = scene.ships.iter().filter(|ship| !reported(&ship.name)).filter_map(|ship| {
-            let source = fleet::hull(ship).err()?;
-            Some(BuildError::Ship(FleetError { ship: ship.name.clone(), source }))
-        });
-        found.extend(hulls);
-    }
-    found
+    let Some(sea) = scene.sea.as_ref().filter(|_| !met) else { return Vec::new() };
+    let reported = |name: &str| {
+        errors.0.iter().any(|error| matches!(error, BuildError::Ship(fault) if fault.ship == name))
+    };
+    let hulls = scene.ships.iter().filter(|ship| !reported(&ship.name)).filter_map(|ship| {
+        let source = fleet::hull(ship).err()?;
+        Some(BuildError::Ship(FleetError { ship: ship.name.clone(), source }))
+    });
+    realise(sea, scene.seed).err().map(BuildError::Sea).into_iter().chain(hulls).collect()
 }
 
 /// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its nominal

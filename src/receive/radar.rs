@@ -110,7 +110,8 @@ pub(super) fn replica(mut words: Words<'_>) -> Result<ReplicaPiece, Malformed> {
         return Err(Malformed::Value("such a piece of a replica"));
     }
     let count = piece.min(of - first) as usize;
-    let (pairs, _) = words.bytes(8 * count)?.as_chunks::<8>();
+    let (pairs, rest) = words.bytes(8 * count)?.as_chunks::<8>();
+    debug_assert!(rest.is_empty());
     let part = |bytes: &[u8; 8], at: usize| {
         bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(f32::NAN, f32::from_be_bytes)
     };

@@ -136,17 +136,13 @@ fn counted_pipeline() {
     counted_scenario("calibration.toml", &[], pulses, || true);
     // A moving sea in blocks, slick and shadows included, long enough for many blocks.
     let set = |key: &str, value: &str| (key.to_owned(), value.to_owned());
-    let small = [set("scene.patch_size_m", "[24, 24]"), set("scene.duration_s", "6")];
+    let small = [set("scene.patch_size_m", "[24, 24]")];
     counted_scenario("sea.toml", &small, pulses, || true);
     // Sidelobe tiles in some blocks only, while the beam passes.
-    let sidelobe = [
-        set("scene.patch_size_m", "[64, 64]"),
-        set("scene.duration_s", "6"),
-        set("fidelity.sidelobe_db", "-20"),
-    ];
+    let sidelobe = [set("scene.patch_size_m", "[64, 64]"), set("fidelity.sidelobe_db", "-20")];
     counted_scenario("mars-1.toml", &sidelobe, pulses, || true);
     // Late and wrong reports, turbulence, clocks.
-    counted_scenario("errors.toml", &[set("scene.duration_s", "6")], pulses, || true);
+    counted_scenario("errors.toml", &[], pulses, || true);
 }
 
 /// No rain, which takes long to plan.
@@ -171,7 +167,6 @@ fn counted_effects() {
                 echo = true, panel_m = 2.0, motion = 'waves' }]";
     let hull = concat!(env!("CARGO_MANIFEST_DIR"), "/hulls/wigley.toml");
     let effects = [
-        set("scene.duration_s", "6"),
         set("sea.scattering.breaking", "'whitecaps'"),
         set("sea.scattering.modulation", "'relaxation'"),
         set("sea.waves", "'choppy'"),
@@ -225,7 +220,7 @@ fn counted_wire() {
     let socket = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     let set = |key: &str, value: String| (key.to_owned(), value);
     let address = format!("\"{}\"", socket.local_addr().unwrap());
-    let settings = [set("sink.0.address", address), set("scene.duration_s", "6".to_owned())];
+    let settings = [set("sink.0.address", address)];
     counted_scenario("live-wire.toml", &settings, 1200, || true);
     drop(socket);
     counted_scenario("live-wire.toml", &settings, 1200, || true);
@@ -250,10 +245,7 @@ fn counted_publishers() {
     let free = (20_000..30_000).map(|port| std::net::SocketAddr::from(([127, 0, 0, 1], port)));
     let at = std::process::id() as usize % 9000;
     let port = free.skip(at).find(|to| (0..4).all(|next| is_free(*to, next))).unwrap();
-    let set = |sink: &str| {
-        let duration = ("scene.duration_s".to_owned(), "6".to_owned());
-        [("sink".to_owned(), format!("[{sink}]")), duration]
-    };
+    let set = |sink: &str| [("sink".to_owned(), format!("[{sink}]"))];
     // Subscribes to the first port whenever there is one, and reads what comes.
     static SUBSCRIBED: AtomicBool = AtomicBool::new(false);
     std::thread::spawn(move || {

@@ -363,9 +363,8 @@ impl Replay {
             if left_s <= 0.0 {
                 return true;
             }
-            thread::sleep(
-                line::READ_TIMEOUT.min(Duration::try_from_secs_f64(left_s).unwrap_or(line::READ_TIMEOUT)),
-            );
+            let left = Duration::try_from_secs_f64(left_s).unwrap_or(Duration::MAX);
+            thread::sleep(left.min(line::READ_TIMEOUT));
         }
     }
 }
