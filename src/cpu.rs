@@ -85,6 +85,52 @@ impl Variant {
     }
 }
 
+/// Instructions that are there: what is compiled for one set of them alone takes one as an argument.
+pub(crate) trait Instructions: Copy {
+    /// Runs a task with them.
+    fn run<T: Task>(self, task: T) -> T::Output;
+}
+
+/// Those of [`Variant::Portable`].
+#[derive(Clone, Copy)]
+pub(crate) struct Portable;
+
+impl Instructions for Portable {
+    #[inline]
+    fn run<T: Task>(self, task: T) -> T::Output {
+        task.run()
+    }
+}
+
+macro_rules! instructions {
+    ($name:ident, $function:ident) => {
+        #[doc = concat!("Those of [`Variant::", stringify!($name), "`].")]
+        #[derive(Clone, Copy)]
+        pub(crate) struct $name(());
+
+        impl $name {
+            /// Where this CPU has them.
+            pub(crate) fn find() -> Option<Self> {
+                Variant::$name.is_available().then_some(Self(()))
+            }
+        }
+
+        impl Instructions for $name {
+            #[inline]
+            fn run<T: Task>(self, task: T) -> T::Output {
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: `find` alone makes one, where the instructions are there.
+                return unsafe { x86::$function(task) };
+                #[cfg(not(target_arch = "x86_64"))]
+                task.run()
+            }
+        }
+    };
+}
+
+instructions!(Avx2Fma, avx2);
+instructions!(Avx512, avx512);
+
 impl fmt::Display for Variant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

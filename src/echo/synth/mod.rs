@@ -331,7 +331,7 @@ impl<T: Scalar> Synth<T> {
             .collect();
         let coefficients =
             kernel.coefficients().iter().map(|parts| parts.map(|part| part.map(T::round_from))).collect();
-        let bodies = layers.iter().map(|layer| variant::body(variant, settings.width, layer.lanes)).collect();
+        let bodies = layers.iter().map(|layer| T::body(variant, settings.width, layer.lanes)).collect();
         Ok(Self {
             waveform,
             carrier_hz,

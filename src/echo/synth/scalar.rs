@@ -24,9 +24,27 @@ const TO_INTEGER_F32: f32 = 12_582_912.0;
 const TO_INTEGER_F64: f64 = 6_755_399_441_055_744.0;
 
 mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
+    use super::super::variant::{Body, body_f32, body_f64};
+    use crate::cpu::Variant;
+
+    pub trait Sealed: Sized {
+        /// The inner loop of a variant that is available.
+        fn body(variant: Variant, width: usize, lanes: usize) -> Body<Self>
+        where
+            Self: super::Scalar;
+    }
+
+    impl Sealed for f32 {
+        fn body(variant: Variant, width: usize, lanes: usize) -> Body<Self> {
+            body_f32(variant, width, lanes)
+        }
+    }
+
+    impl Sealed for f64 {
+        fn body(variant: Variant, width: usize, lanes: usize) -> Body<Self> {
+            body_f64(variant, width, lanes)
+        }
+    }
 }
 
 /// A floating-point type in which the fast echo is made.

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use super::kernel::{MAX_TERMS, terms};
 use super::scalar::Scalar;
-use crate::cpu::{Task, Variant};
+use crate::cpu::{Instructions, Task};
 
 /// Scatterer paths that stay in the cache for all pulses of a share.
 pub(super) const CHUNK: usize = 64;
@@ -20,7 +20,7 @@ const TOGETHER: usize = 4;
 /// Phases and places on the grid of the scatterer paths of one pair over a block: polynomials in pulses from
 /// the middle.
 #[derive(Debug, Default)]
-pub(super) struct DelayPolynomials<T: Scalar> {
+pub struct DelayPolynomials<T: Scalar> {
     /// Phase, turns: constant, first and second power.
     pub phase: [Vec<T::Turns>; 3],
     /// Phase, turns: third power.
@@ -41,7 +41,7 @@ impl<T: Scalar> DelayPolynomials<T> {
 }
 
 /// One layer of one share to be filled.
-pub(super) struct Job<'a, T: Scalar> {
+pub struct Job<'a, T: Scalar> {
     pub polynomials: &'a DelayPolynomials<T>,
     /// `[power][path][lane]`.
     pub amplitude: &'a [&'a [T]],
@@ -98,23 +98,30 @@ impl<T: Scalar, const W: usize> Passes<T, W> {
 /// The two steps are compiled apart, each a [`Task`] of its own: in one function they share the registers,
 /// and the sums wait for constants of the other step that are loaded again for every scatterer path (a tenth
 /// of the time).
-pub(super) fn spread<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
-    variant: Variant,
+pub(super) fn spread<T: Scalar, I: Instructions, const FUSED: bool, const W: usize, const C: usize>(
+    instructions: I,
     job: &Job<'_, T>,
     grids: &mut [T],
 ) {
     let of_paths = |power: usize| job.amplitude[power].as_chunks::<C>().0;
     match job.amplitude.len() {
-        2 => spread_powers::<T, FUSED, W, C, 2>(variant, job, std::array::from_fn(of_paths), grids),
-        4 => spread_powers::<T, FUSED, W, C, 4>(variant, job, std::array::from_fn(of_paths), grids),
+        2 => spread_powers::<T, I, FUSED, W, C, 2>(instructions, job, std::array::from_fn(of_paths), grids),
+        4 => spread_powers::<T, I, FUSED, W, C, 4>(instructions, job, std::array::from_fn(of_paths), grids),
         // The block keeps two powers or four.
         _ => {}
     }
 }
 
 /// The same with `P` powers of the amplitudes, `[power][path][lane]`.
-fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize>(
-    variant: Variant,
+fn spread_powers<
+    T: Scalar,
+    I: Instructions,
+    const FUSED: bool,
+    const W: usize,
+    const C: usize,
+    const P: usize,
+>(
+    instructions: I,
     job: &Job<'_, T>,
     amplitude: [&[[T; C]]; P],
     grids: &mut [T],
@@ -129,13 +136,13 @@ fn spread_powers<T: Scalar, const FUSED: bool, const W: usize, const C: usize, c
         for (pulse, (shifts, grids)) in (0..).step_by(TOGETHER).zip(groups) {
             let (part, passes) = (part.clone(), &mut passes);
             if job.turned.is_empty() {
-                variant.run(Place::<T, FUSED, W, false> { job, part, pulse, shifts, passes });
+                instructions.run(Place::<T, FUSED, W, false> { job, part, pulse, shifts, passes });
             } else {
-                variant.run(Place::<T, FUSED, W, true> { job, part, pulse, shifts, passes });
+                instructions.run(Place::<T, FUSED, W, true> { job, part, pulse, shifts, passes });
             }
             let first = job.amplitude_first + pulse as i32;
             let passes = &passes[..shifts.len()];
-            variant.run(Scatter::<T, FUSED, W, C, P> { job, passes, amplitude, first, grids });
+            instructions.run(Scatter::<T, FUSED, W, C, P> { job, passes, amplitude, first, grids });
         }
         from = part.end;
     }

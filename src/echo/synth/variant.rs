@@ -1,9 +1,9 @@
 //! One body, several instruction sets: which one is decided once, when a [`Synth`](super::Synth) is built.
 
+use super::SynthError;
 use super::scalar::Scalar;
 use super::spread::{Job, spread};
-use super::{Precision, SynthError};
-use crate::cpu::Variant;
+use crate::cpu::{Avx2Fma, Avx512, Portable, Variant};
 
 /// The variant that was asked for, or the fastest that is available.
 pub(super) fn choose(asked: Option<Variant>) -> Result<Variant, SynthError> {
@@ -18,43 +18,61 @@ pub(super) fn choose(asked: Option<Variant>) -> Result<Variant, SynthError> {
 pub(super) type Body<T> = fn(&Job<'_, T>, &mut [T]);
 
 fn portable<T: Scalar, const W: usize, const C: usize>(job: &Job<'_, T>, grids: &mut [T]) {
-    spread::<T, false, W, C>(Variant::Portable, job, grids);
+    spread::<T, Portable, false, W, C>(Portable, job, grids);
 }
 
+// What a variant is compiled for is known here, so that no loop is compiled for instructions that it never has.
+
 fn avx2<T: Scalar, const W: usize, const C: usize>(job: &Job<'_, T>, grids: &mut [T]) {
-    spread::<T, true, W, C>(Variant::Avx2Fma, job, grids);
+    match Avx2Fma::find() {
+        Some(found) => spread::<T, Avx2Fma, true, W, C>(found, job, grids),
+        None => portable::<T, W, C>(job, grids),
+    }
 }
 
 fn avx512<T: Scalar, const W: usize, const C: usize>(job: &Job<'_, T>, grids: &mut [T]) {
-    spread::<T, true, W, C>(Variant::Avx512, job, grids);
+    match Avx512::find() {
+        Some(found) => spread::<T, Avx512, true, W, C>(found, job, grids),
+        None => portable::<T, W, C>(job, grids),
+    }
 }
 
-/// The body of a variant that is available. In f64 everything but the portable one is the AVX2 one.
-pub(super) fn body<T: Scalar>(variant: Variant, width: usize, lanes: usize) -> Body<T> {
-    macro_rules! by_size {
-        ($body:ident) => {
-            match (width, lanes) {
-                (4, 2) => $body::<T, 4, 2>,
-                (4, 4) => $body::<T, 4, 4>,
-                (4, _) => $body::<T, 4, 8>,
-                (5, 2) => $body::<T, 5, 2>,
-                (5, 4) => $body::<T, 5, 4>,
-                (5, _) => $body::<T, 5, 8>,
-                (6, 2) => $body::<T, 6, 2>,
-                (6, 4) => $body::<T, 6, 4>,
-                (6, _) => $body::<T, 6, 8>,
-                (7, 2) => $body::<T, 7, 2>,
-                (7, 4) => $body::<T, 7, 4>,
-                (7, _) => $body::<T, 7, 8>,
-                (_, 2) => $body::<T, 8, 2>,
-                (_, 4) => $body::<T, 8, 4>,
-                (_, _) => $body::<T, 8, 8>,
-            }
-        };
+macro_rules! by_size {
+    ($body:ident::<$T:ty>, $width:expr, $lanes:expr) => {
+        match ($width, $lanes) {
+            (4, 2) => $body::<$T, 4, 2>,
+            (4, 4) => $body::<$T, 4, 4>,
+            (4, _) => $body::<$T, 4, 8>,
+            (5, 2) => $body::<$T, 5, 2>,
+            (5, 4) => $body::<$T, 5, 4>,
+            (5, _) => $body::<$T, 5, 8>,
+            (6, 2) => $body::<$T, 6, 2>,
+            (6, 4) => $body::<$T, 6, 4>,
+            (6, _) => $body::<$T, 6, 8>,
+            (7, 2) => $body::<$T, 7, 2>,
+            (7, 4) => $body::<$T, 7, 4>,
+            (7, _) => $body::<$T, 7, 8>,
+            (_, 2) => $body::<$T, 8, 2>,
+            (_, 4) => $body::<$T, 8, 4>,
+            (_, _) => $body::<$T, 8, 8>,
+        }
+    };
+}
+
+/// The body of a variant that is available, in f32. Not generic, as below: compiled once, not for every
+/// program that makes a `Synth`.
+pub(super) fn body_f32(variant: Variant, width: usize, lanes: usize) -> Body<f32> {
+    match variant {
+        Variant::Portable => by_size!(portable::<f32>, width, lanes),
+        Variant::Avx2Fma => by_size!(avx2::<f32>, width, lanes),
+        Variant::Avx512 => by_size!(avx512::<f32>, width, lanes),
     }
-    match (variant, T::PRECISION) {
-        (Variant::Portable, _) => by_size!(portable),
-        (Variant::Avx512, Precision::Single) => by_size!(avx512),
-        (Variant::Avx2Fma | Variant::Avx512, _) => by_size!(avx2),
+}
+
+/// The same in f64, where everything but the portable one is the AVX2 one.
+pub(super) fn body_f64(variant: Variant, width: usize, lanes: usize) -> Body<f64> {
+    match variant {
+        Variant::Portable => by_size!(portable::<f64>, width, lanes),
+        Variant::Avx2Fma | Variant::Avx512 => by_size!(avx2::<f64>, width, lanes),
     }
 }
