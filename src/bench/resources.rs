@@ -14,7 +14,9 @@ use crate::pipeline::plausible::ConverterReport;
 use crate::scene::Radar;
 
 /// How long the trial lasts.
-pub const TRIAL: Duration = Duration::from_millis(300);
+pub const TRIAL: Duration = Duration::from_millis(100);
+/// Trials that a first block lasts where it is enough.
+const FIRST_ALONE: u32 = 5;
 
 /// An estimate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -73,33 +75,32 @@ impl PulseStream {
             let first = schedule.first + step % blocks * block;
             first - first % block..(first - first % block + block).min(schedule.end())
         };
-        if block > 1 {
-            // The first block of a worker also takes its memory into use.
-            self.pool().install(|| {
-                hands.par_iter_mut().enumerate().try_for_each(|(hand, (slot, work))| {
-                    factory.make(pulses_of(hand as u64).start, slot, work)
-                })
-            })?;
-        }
-        let begun = Instant::now();
-        let made = self.pool().install(|| {
-            hands
-                .par_iter_mut()
-                .enumerate()
-                .map(|(hand, (slot, work))| {
-                    let (mut made, mut step) = (0, 1 + hand as u64);
-                    while made == 0 || begun.elapsed() < trial {
-                        for index in pulses_of(step.wrapping_mul(stride) + hand as u64) {
-                            factory.make(index, slot, work)?;
-                            made += 1;
-                        }
-                        step += threads as u64;
+        // Blocks made and the seconds that took, each worker from its own step on: one at least.
+        let mut make_for = |least: Duration, step_of: fn(u64) -> u64| {
+            let begun = Instant::now();
+            let of_worker = |(hand, (slot, work)): (usize, &mut (_, _))| {
+                let (mut made, mut step) = (0, step_of(hand as u64));
+                while made == 0 || begun.elapsed() < least {
+                    for index in pulses_of(step.wrapping_mul(stride) + hand as u64) {
+                        factory.make(index, slot, work)?;
+                        made += 1;
                     }
-                    Ok(made)
-                })
-                .sum::<Result<u64, PulseError>>()
-        })?;
-        let pulses_per_s = made as f64 / begun.elapsed().as_secs_f64();
+                    step += threads as u64;
+                }
+                Ok(made)
+            };
+            let made = self.pool().install(|| {
+                hands.par_iter_mut().enumerate().map(of_worker).sum::<Result<u64, PulseError>>()
+            })?;
+            Ok::<_, PulseError>((made, begun.elapsed()))
+        };
+        // The first block of a worker also takes its memory into use, which does not show in a long one.
+        let first = if block > 1 { Some(make_for(Duration::ZERO, |_| 0)?) } else { None };
+        let (made, lasted) = match first {
+            Some((made, lasted)) if lasted >= FIRST_ALONE * trial => (made, lasted),
+            _ => make_for(trial, |hand| 1 + hand)?,
+        };
+        let pulses_per_s = made as f64 / lasted.as_secs_f64();
         let (mut slot, mut work) = (factory.slot(), factory.workspace());
         let mut targets_in_window = 0;
         // A pulse of a sea may take seconds: it is not made for targets that are none.

@@ -35,32 +35,75 @@ fn spacing_within(spacing: u64, hold_pulses: Option<u64>) -> u64 {
     (block_length(spacing, hold_pulses) - 1).div_ceil(NODES as u64 - 1).max(1)
 }
 
-/// Chooses what is not given.
-///
-/// # Errors
-/// A scene whose tracks end early, or that the fast echo cannot make.
-pub fn choose_settings(
+/// Chooses the settings of a scene for one error after another: what does not depend on the error is found
+/// once.
+pub struct Chooser<'a> {
+    scene: &'a Scene,
+    generator: &'a PathGenerator,
+    waveform: &'a Arc<dyn Waveform>,
+    sampler: ErrorSampler<'a>,
+    given: Given,
+    gain_steps: Vec<u64>,
+}
+
+/// What is asked that a sample depends on: sidelobe threshold, pulses of gains and of panels.
+type Given = (Option<f64>, [Option<u64>; 2]);
+
+fn given(asked: &Asked) -> Given {
+    (asked.sidelobe_db, [asked.gain_pulses, asked.panel_pulses])
+}
+
+impl<'a> Chooser<'a> {
+    /// For what is asked, whatever the error.
+    ///
+    /// # Errors
+    /// A scene whose tracks end early.
+    pub fn new(
+        scene: &'a Scene,
+        generator: &'a PathGenerator,
+        waveform: &'a Arc<dyn Waveform>,
+        asked: &Asked,
+    ) -> Result<Self, PlanError> {
+        let mut sampler =
+            ErrorSampler::new(generator, &scene.radar, waveform.as_ref(), scene.pulses, asked.sidelobe_db)?;
+        // No interpolation knows of a jump, and probes may miss it.
+        let free: &[u64] = if generator.aim_jumps() { &[1] } else { &GAIN_PULSES };
+        let gain_steps: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
+        let free: &[u64] = if generator.aim_jumps() { &[1] } else { &PANEL_PULSES };
+        let panel_steps: Vec<u64> = asked.panel_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
+        sampler.follow_points(&gain_steps, &panel_steps)?;
+        Ok(Self { scene, generator, waveform, sampler, given: given(asked), gain_steps })
+    }
+
+    /// Chooses what is not given.
+    ///
+    /// # Errors
+    /// A scene whose tracks end early, or that the fast echo cannot make.
+    pub fn choose(&mut self, asked: &Asked) -> Result<Plan, PlanError> {
+        let Self { scene, generator, waveform, .. } = *self;
+        if given(asked) != self.given {
+            return Self::new(scene, generator, waveform, asked)?.choose(asked);
+        }
+        let (sampler, gain_steps) = (&mut self.sampler, &self.gain_steps);
+        choose_settings(scene, generator, waveform, asked, (sampler, gain_steps))
+    }
+}
+
+fn choose_settings(
     scene: &Scene,
     generator: &PathGenerator,
     waveform: &Arc<dyn Waveform>,
     asked: &Asked,
+    (sampler, gain_steps): (&mut ErrorSampler<'_>, &[u64]),
 ) -> Result<Plan, PlanError> {
     let budget = Budget::of(asked);
-    let mut sampler =
-        ErrorSampler::new(generator, &scene.radar, waveform.as_ref(), scene.pulses, asked.sidelobe_db)?;
-    // No interpolation knows of a jump, and probes may miss it.
-    let free: &[u64] = if generator.aim_jumps() { &[1] } else { &GAIN_PULSES };
-    let gain_steps: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
-    let free: &[u64] = if generator.aim_jumps() { &[1] } else { &PANEL_PULSES };
-    let panel_steps: Vec<u64> = asked.panel_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
-    sampler.follow_points(&gain_steps, &panel_steps)?;
     let panel_pulses = sampler.choose_panel_pulses(10f64.powf((asked.error_db - PANELS_DB) / 10.0));
 
     let hold_pulses = generator.hold_pulses();
     let spacings = spacings(asked, hold_pulses);
     let lengths = spacings.iter().filter(|_| !budget.exact).map(|pulses| block_length(*pulses, hold_pulses));
     let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
-    let synth = Echoes { scene, generator, waveform }.choose(&mut sampler, &budget, &blocks)?;
+    let synth = Echoes { scene, generator, waveform }.choose(sampler, &budget, &blocks)?;
     let kept = sampler.kept(budget.least_power);
     let size = Size::of(scene, generator, &synth.settings, waveform.as_ref(), kept);
     let one_by_one = |gain_pulses: u64| {
@@ -87,8 +130,8 @@ pub fn choose_settings(
     }
 
     let search =
-        Search::new(scene, generator, &mut sampler, (budget, &synth, size), (gain_steps, panel_pulses));
-    let best = search.best(&mut sampler, &spacings)?.unwrap_or_else(|| one_by_one(1));
+        Search::new(scene, generator, sampler, (budget, &synth, size), (gain_steps.to_vec(), panel_pulses));
+    let best = search.best(sampler, &spacings)?.unwrap_or_else(|| one_by_one(1));
     if !best.keeps() && asked.node_pulses.is_none() {
         let plan = one_by_one(asked.gain_pulses.unwrap_or(1));
         if plan.prediction.total() < best.prediction.total() {

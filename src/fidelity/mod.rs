@@ -14,7 +14,7 @@
 //! | culled | facets left out because they are weak | [`probe`] |
 //!
 //! of mainlobe tiles and of [`sidelobe`] tiles; each at the worst pulse ([`worst`]) and channel.
-//! [`choose::choose_settings`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample
+//! [`choose::Chooser`] takes the cheapest settings that keep what is asked ([`cost`]). What a sample
 //! finds of beams is compared with a closed form in `tests/agreement`.
 //!
 //! Nothing here knows threads, memory or speed of the machine: the same scene gets the same settings

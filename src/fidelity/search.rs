@@ -2,6 +2,7 @@
 //! budget.
 
 use std::f64::consts::TAU;
+use std::rc::Rc;
 
 use super::cost::{CostTable, Size};
 use super::echo_settings::{EchoSettings, block_length, block_pulses};
@@ -178,7 +179,7 @@ impl<'a> Search<'a> {
         node_pulses: u64,
         (echo, gains): (PredictedError, &[Gain]),
         only: bool,
-    ) -> Result<Vec<Probed>, PlanError> {
+    ) -> Result<Vec<Rc<Probed>>, PlanError> {
         let mut probed = vec![sampler.left(0, node_pulses)?];
         let allows = self.thresholds.iter().any(|candidate| {
             (1..=EPOCHS_PER_NODE).any(|epochs| {
@@ -201,7 +202,13 @@ impl<'a> Search<'a> {
     }
 
     /// Plans of one spacing of the nodes.
-    fn plans(&self, node_pulses: u64, echo: PredictedError, probed: &[Probed], gains: &[Gain]) -> Vec<Plan> {
+    fn plans(
+        &self,
+        node_pulses: u64,
+        echo: PredictedError,
+        probed: &[Rc<Probed>],
+        gains: &[Gain],
+    ) -> Vec<Plan> {
         let asked = &self.budget.asked;
         let mut plans = Vec::new();
         for epochs in 1..=EPOCHS_PER_NODE {
@@ -247,7 +254,7 @@ impl<'a> Search<'a> {
         each.map(of).collect()
     }
 
-    fn left(&self, probed: &[Probed], epochs: usize, candidate: &Candidate) -> Vec<InterpolationError> {
+    fn left(&self, probed: &[Rc<Probed>], epochs: usize, candidate: &Candidate) -> Vec<InterpolationError> {
         probed.iter().flat_map(|probed| probed.left(epochs, &self.candidates, candidate.n)).collect()
     }
 

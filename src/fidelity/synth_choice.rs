@@ -6,7 +6,7 @@ use super::PlanError;
 use super::probe::ErrorSampler;
 use super::probe::points::Law;
 use crate::echo::Asked;
-use crate::echo::synth::doppler::{Doppler, Envelope, error_power, rigid_error_power};
+use crate::echo::synth::doppler::{Doppler, Envelope, MeanEcho, rigid_error_power};
 use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
 use crate::fidelity::budget::Budget;
 use crate::paths::PathGenerator;
@@ -220,14 +220,12 @@ impl Echoes<'_> {
     ) -> Option<(f64, f64)> {
         let radar = &self.scene.radar;
         let (waveform, rate_hz) = (self.waveform.as_ref(), radar.sample_rate_hz);
-        let means: Vec<f64> = sampler.dopplers().into_iter().map(|(mean_hz, _)| mean_hz).collect();
+        let of = |(mean_hz, _)| MeanEcho::new(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz);
+        let means: Vec<MeanEcho<'_>> = sampler.dopplers().into_iter().map(of).collect();
         let peak = sampler.peak([1.0, 1.0]).max(1.0);
         // The strongest scatterer path of a band may lie at one end of it, and another at the other.
         let left = |band_hz: f64| {
-            let of = |mean_hz: f64, off_hz: f64| {
-                error_power(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz, off_hz)
-            };
-            let both = means.iter().map(|mean_hz| of(*mean_hz, band_hz).max(of(*mean_hz, -band_hz)));
+            let both = means.iter().map(|mean| mean.error_power(band_hz).max(mean.error_power(-band_hz)));
             peak * both.fold(0.0, f64::max)
         };
         let widest_hz = 2.0 * radar.carrier_hz * sampler.fastest();
@@ -252,19 +250,20 @@ impl Echoes<'_> {
     ) -> Result<DopplerError, PlanError> {
         let radar = &self.scene.radar;
         let (waveform, rate_hz) = (self.waveform.as_ref(), radar.sample_rate_hz);
-        let off_mean = |mean_hz: f64, off_hz: f64| {
-            error_power(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz, off_hz)
-        };
+        let about =
+            |mean_hz: f64| MeanEcho::new(doppler, waveform, radar.carrier_hz, rate_hz, fft_len, mean_hz);
         let dopplers = sampler.dopplers();
         let of_pair = |(mean_hz, groups): &(f64, Vec<f64>)| {
-            let sum: f64 = groups.iter().map(|off_hz| off_mean(*mean_hz, *off_hz)).sum();
+            let mean = about(*mean_hz);
+            let sum: f64 = groups.iter().map(|off_hz| mean.error_power(*off_hz)).sum();
             sum / groups.len().max(1) as f64
         };
         let of_facets = sampler.peak([1.0, 0.0]) * dopplers.iter().map(of_pair).fold(0.0, f64::max);
         if self.generator.point_count() == 0 {
             return Ok(DopplerError { of_facets, of_points: Vec::new() });
         }
-        let law = Law::new(2.0 * radar.carrier_hz * sampler.fastest(), |off_hz| off_mean(0.0, off_hz));
+        let mean = about(0.0);
+        let law = Law::new(2.0 * radar.carrier_hz * sampler.fastest(), |off_hz| mean.error_power(off_hz));
         Ok(DopplerError { of_facets, of_points: sampler.doppler_of_points(&law, blocks)? })
     }
 }

@@ -24,7 +24,7 @@ use super::stages::{Echo, Mark, PulseFactory};
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
 use crate::fidelity::budget::{EXACT_DB, Plan};
-use crate::fidelity::choose::choose_settings;
+use crate::fidelity::choose::Chooser;
 use crate::fidelity::probe::spread_over;
 use crate::paths::PathGenerator;
 use crate::pipeline::fault::BuildErrors;
@@ -57,17 +57,18 @@ pub(crate) fn plan(
     waveform: &Arc<dyn Waveform>,
     asked: &Asked,
 ) -> Result<Plan, BuildErrors> {
-    let settle_for = |error_db: f64, node_pulses: Option<u64>| -> Result<Plan, BuildErrors> {
-        let plan = choose_settings(scene, generator, waveform, &Asked { error_db, node_pulses, ..*asked })?;
-        Ok(Plan { asked: *asked, ..plan })
+    let mut chooser = Chooser::new(scene, generator, waveform, asked)?;
+    let choose = |chooser: &mut Chooser<'_>, error_db: f64, node_pulses: Option<u64>| {
+        let plan = chooser.choose(&Asked { error_db, node_pulses, ..*asked })?;
+        Ok::<_, BuildErrors>(Plan { asked: *asked, ..plan })
     };
-    let first = settle_for(asked.error_db, asked.node_pulses)?;
+    let first = choose(&mut chooser, asked.error_db, asked.node_pulses)?;
     let chosen = Chosen::of(scene, generator, first.chosen.block_pulses(generator.hold_pulses()));
     if first.chosen.node_pulses <= 1 || (chosen.pulses.len() as u64) < LEAST_PULSES {
         return Ok(first);
     }
     let exact = Asked { node_pulses: Some(1), ..Asked::error_db(EXACT_DB) };
-    let exact = choose_settings(scene, generator, waveform, &exact)?;
+    let exact = chooser.choose(&exact)?;
     let Some(trial) = Trial::new(scene, generator, waveform, chosen, &exact)? else { return Ok(first) };
     let (mut tried, mut target_db) = (first, asked.error_db);
     let mut best: Option<Plan> = None;
@@ -86,7 +87,7 @@ pub(crate) fn plan(
             if target_db <= EXACT_DB {
                 break None;
             }
-            let next = settle_for(target_db, asked.node_pulses)?;
+            let next = choose(&mut chooser, target_db, asked.node_pulses)?;
             if next.chosen != tried.chosen {
                 break Some(next);
             }
@@ -101,7 +102,7 @@ pub(crate) fn plan(
         return Ok(best);
     }
     for error_db in [asked.error_db, EXACT_DB] {
-        let plan = settle_for(error_db, Some(1))?;
+        let plan = choose(&mut chooser, error_db, Some(1))?;
         if plan.keeps() {
             return Ok(plan);
         }

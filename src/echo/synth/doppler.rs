@@ -140,26 +140,29 @@ pub fn rigid_error_power(
     fft_len: usize,
     rate: f64,
 ) -> f64 {
-    relative_power(sample_rate_hz, fft_len, |f_hz| {
+    relative_power(passed(sample_rate_hz, fft_len).map(|(f_hz, response)| {
         let [exact, rigid] = [Envelope::Stretched, Envelope::Rigid].map(|envelope| {
             let (at_hz, factor) = stretched(envelope, carrier_hz, f_hz, carrier_hz * rate);
             waveform.spectrum(at_hz) * factor
         });
-        (exact, rigid)
-    })
+        (response, exact, rigid)
+    }))
 }
 
-/// `sum |H (b - a)|^2 / sum |H a|^2` over the bins of a transform.
-fn relative_power(sample_rate_hz: f64, fft_len: usize, both: impl Fn(f64) -> (Complex64, Complex64)) -> f64 {
+/// Frequencies of the bins of a transform that the receive filter passes, and how much of their power.
+fn passed(sample_rate_hz: f64, fft_len: usize) -> impl Iterator<Item = (f64, f64)> {
     let filter = ReceiveFilter::new(sample_rate_hz);
-    let (mut wrong, mut all) = (0.0, 0.0);
-    for k in 0..fft_len {
+    let of = move |k| {
         let f_hz = bin_frequency_hz(k, fft_len, sample_rate_hz);
-        let response = filter.response(f_hz).powi(2);
-        if response == 0.0 {
-            continue;
-        }
-        let (exact, other) = both(f_hz);
+        (f_hz, filter.response(f_hz).powi(2))
+    };
+    (0..fft_len).map(of).filter(|(_, response)| *response != 0.0)
+}
+
+/// `sum |H (b - a)|^2 / sum |H a|^2` over bins, each `(|H|^2, a, b)`.
+fn relative_power(bins: impl Iterator<Item = (f64, Complex64, Complex64)>) -> f64 {
+    let (mut wrong, mut all) = (0.0, 0.0);
+    for (response, exact, other) in bins {
         wrong += response * (other - exact).norm_sqr();
         all += response * exact.norm_sqr();
     }
@@ -184,7 +187,7 @@ pub(super) fn moment_spectrum(waveform: &dyn Waveform, f_hz: f64) -> Complex64 {
 /// receive filter: against an exact echo of the same [`Envelope`], so that of a rigid one
 /// [`rigid_error_power`] is still to be added.
 pub fn error_power(
-    (doppler, envelope): (Doppler, Envelope),
+    doppler: (Doppler, Envelope),
     waveform: &dyn Waveform,
     carrier_hz: f64,
     sample_rate_hz: f64,
@@ -192,15 +195,68 @@ pub fn error_power(
     mean_hz: f64,
     residual_hz: f64,
 ) -> f64 {
-    let (turns, delay_s) = Correction::new(doppler, envelope, waveform, carrier_hz).of(mean_hz, residual_hz);
-    relative_power(sample_rate_hz, fft_len, |f_hz| {
-        let (at_hz, factor) = stretched(envelope, carrier_hz, f_hz, mean_hz + residual_hz);
-        let exact = waveform.spectrum(at_hz) * factor;
-        let (at_hz, factor) = stretched(envelope, carrier_hz, f_hz, mean_hz);
-        let mut fast = waveform.spectrum(at_hz) * factor;
-        if doppler == Doppler::Taylor {
-            fast -= Complex64::I * (2.0 * PI * residual_hz * factor) * moment_spectrum(waveform, at_hz);
-        }
-        (exact, fast * phasor(turns - f_hz * delay_s))
-    })
+    // That of the mean is exact.
+    if residual_hz == 0.0 {
+        return 0.0;
+    }
+    MeanEcho::new(doppler, waveform, carrier_hz, sample_rate_hz, fft_len, mean_hz).error_power(residual_hz)
+}
+
+/// The echo of a mean Doppler, from which the fast echo makes those of other Dopplers.
+pub struct MeanEcho<'a> {
+    doppler: Doppler,
+    envelope: Envelope,
+    waveform: &'a dyn Waveform,
+    carrier_hz: f64,
+    mean_hz: f64,
+    bins: Vec<Bin>,
+}
+
+/// A bin of a transform that the receive filter passes.
+struct Bin {
+    f_hz: f64,
+    /// Of the filter, as a power.
+    response: f64,
+    factor: f64,
+    spectrum: Complex64,
+    /// [`moment_spectrum`] of [`Doppler::Taylor`].
+    moment: Complex64,
+}
+
+impl<'a> MeanEcho<'a> {
+    /// At the bins of a transform.
+    pub fn new(
+        (doppler, envelope): (Doppler, Envelope),
+        waveform: &'a dyn Waveform,
+        carrier_hz: f64,
+        sample_rate_hz: f64,
+        fft_len: usize,
+        mean_hz: f64,
+    ) -> Self {
+        let of = |(f_hz, response): (f64, f64)| {
+            let (at_hz, factor) = stretched(envelope, carrier_hz, f_hz, mean_hz);
+            let spectrum = waveform.spectrum(at_hz) * factor;
+            let has_moment = doppler == Doppler::Taylor;
+            let moment = if has_moment { moment_spectrum(waveform, at_hz) } else { Complex64::ZERO };
+            Bin { f_hz, response, factor, spectrum, moment }
+        };
+        let bins = passed(sample_rate_hz, fft_len).map(of).collect();
+        Self { doppler, envelope, waveform, carrier_hz, mean_hz, bins }
+    }
+
+    /// As [`error_power`] has it.
+    pub fn error_power(&self, residual_hz: f64) -> f64 {
+        let Self { doppler, envelope, waveform, carrier_hz, mean_hz, .. } = *self;
+        let correction = Correction::new(doppler, envelope, waveform, carrier_hz);
+        let (turns, delay_s) = correction.of(mean_hz, residual_hz);
+        relative_power(self.bins.iter().map(|bin| {
+            let (at_hz, factor) = stretched(envelope, carrier_hz, bin.f_hz, mean_hz + residual_hz);
+            let exact = waveform.spectrum(at_hz) * factor;
+            let mut fast = bin.spectrum;
+            if doppler == Doppler::Taylor {
+                fast -= Complex64::I * (2.0 * PI * residual_hz * bin.factor) * bin.moment;
+            }
+            (bin.response, exact, fast * phasor(turns - bin.f_hz * delay_s))
+        }))
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::rc::Rc;
 
 use num_complex::{Complex32, Complex64};
 
@@ -95,7 +96,16 @@ impl ErrorSampler<'_> {
     ///
     /// # Errors
     /// A track that ends before the place.
-    pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<Probed, RadarError> {
+    pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<Rc<Probed>, RadarError> {
+        if let Some(known) = self.probed.get(&(place, node_pulses)) {
+            return Ok(Rc::clone(known));
+        }
+        let found = Rc::new(self.probe(place, node_pulses)?);
+        self.probed.insert((place, node_pulses), Rc::clone(&found));
+        Ok(found)
+    }
+
+    fn probe(&mut self, place: usize, node_pulses: u64) -> Result<Probed, RadarError> {
         let channels = self.radar.channels.len();
         let (share, deviations, sidelobe_epochs) =
             (self.sampled(), self.deviations(), self.sidelobe_epochs());

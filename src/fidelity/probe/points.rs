@@ -23,6 +23,7 @@
 
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::rc::Rc;
 
 use num_complex::Complex64;
 
@@ -38,6 +39,8 @@ const LEAST_PROFILE: u64 = 64;
 /// Points and pulses of all stretches, at most; stretches at least, and at most.
 const MOST_FOLLOWED: u64 = 1 << 20;
 const STRETCHES: std::ops::RangeInclusive<u64> = 1..=64;
+/// Points and pulses of stretches that are kept in memory: some 10 MB.
+const MOST_KEPT: u64 = 1 << 16;
 /// Points that are followed.
 const MOST_POINTS: usize = 1024;
 /// Dopplers at which a [`Law`] is found, over the largest.
@@ -89,7 +92,7 @@ impl Points {
 }
 
 /// A stretch of successive pulses.
-struct Stretch {
+pub(super) struct Stretch {
     first: u64,
     /// Points that are followed, pulse by pulse.
     exact: Vec<ScattererPaths>,
@@ -368,8 +371,20 @@ impl ErrorSampler<'_> {
         ScattererPaths::new(self.channels.len(), self.radar.channels.len(), self.generator.point_count())
     }
 
-    /// Points that are followed, at all pulses of a stretch.
-    fn stretch(&mut self, n: usize) -> Result<Stretch, RadarError> {
+    /// Points that are followed, at all pulses of a stretch; kept where they are few.
+    fn stretch(&mut self, n: usize) -> Result<Rc<Stretch>, RadarError> {
+        if let Some(known) = self.stretches.get(&n) {
+            return Ok(Rc::clone(known));
+        }
+        let found = Rc::new(self.follow(n)?);
+        let points = (self.points.stretches.len() * self.points.followed.len()) as u64;
+        if points * LONGEST <= MOST_KEPT {
+            self.stretches.insert(n, Rc::clone(&found));
+        }
+        Ok(found)
+    }
+
+    fn follow(&mut self, n: usize) -> Result<Stretch, RadarError> {
         let first = self.points.stretches[n];
         let mut all = self.no_points();
         let [of_targets, of_panels] = self.points.all_of_followed.map(f64::sqrt);

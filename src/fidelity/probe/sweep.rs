@@ -1,6 +1,7 @@
 //! What interpolation between instants of gain leaves.
 
 use std::ops::Range;
+use std::rc::Rc;
 
 use super::{ErrorSampler, LONGEST, Place, Powers, TILES, runs_of, square};
 use crate::fidelity::sidelobe::{Binned, Candidates};
@@ -25,13 +26,16 @@ pub struct Swept {
 /// `[probe][channel]`, by gain.
 type Probed = Vec<Vec<Binned>>;
 
+/// `[close, sidelobe][step]`.
+pub(super) type OfPlace = [Vec<Probed>; 2];
+
 /// What steps of gain leave at all places, each tile taken as a mainlobe tile and as a sidelobe tile.
 #[derive(Clone, Debug)]
 pub struct Sweeps {
     /// Pulses from gain to gain: of mainlobe tiles, and the more that sidelobe tiles then have.
     steps: Vec<u64>,
     /// `[place][close, sidelobe][step]`.
-    sea: Vec<[Vec<Probed>; 2]>,
+    sea: Rc<Vec<OfPlace>>,
     /// Of points, steps and powers; panels of ships with the step of theirs.
     points: Vec<(u64, Powers)>,
     channels: usize,
@@ -47,7 +51,7 @@ impl Sweeps {
         let mut worst = Swept { end: none.clone(), inner: none };
         let at = |wanted: u64| self.steps.iter().position(|step| *step == wanted).unwrap_or(0);
         let (close, rough) = (at(gain_pulses), at(sidelobe_gain_pulses(gain_pulses as usize) as u64));
-        for sea in &self.sea {
+        for sea in self.sea.iter() {
             for channel in 0..self.channels {
                 let of = |step: usize, sidelobe: bool, end: bool| {
                     let probes = sea[usize::from(sidelobe)][step]
@@ -110,10 +114,17 @@ impl ErrorSampler<'_> {
         all.extend(steps.iter().map(|step| sidelobe_gain_pulses(*step as usize) as u64));
         all.sort_unstable();
         all.dedup();
-        let mut sea = Vec::new();
-        for place in 0..self.places.len() {
-            sea.push(self.gains_of_sea(place, &all, block_pulses)?);
-        }
+        let key = (all.clone(), block_pulses);
+        let sea = match self.swept.get(&key) {
+            Some(known) => Rc::clone(known),
+            None => {
+                let places = 0..self.places.len();
+                let found = places.map(|place| self.gains_of_sea(place, &all, block_pulses));
+                let found = Rc::new(found.collect::<Result<_, _>>()?);
+                self.swept.insert(key, Rc::clone(&found));
+                found
+            }
+        };
         let (share, deviations) = (self.sampled(), self.deviations());
         let of_points = |step: &u64| -> Option<(u64, Powers)> {
             let left = self.points().swept(*step)?;
@@ -128,7 +139,7 @@ impl ErrorSampler<'_> {
         place: usize,
         steps: &[u64],
         block_pulses: u64,
-    ) -> Result<[Vec<Probed>; 2], RadarError> {
+    ) -> Result<OfPlace, RadarError> {
         let channels = self.radar.channels.len();
         let Place { first, patch } = self.places[place].clone();
         let cells = self.cells_at(first)?;
