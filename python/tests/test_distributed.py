@@ -103,7 +103,7 @@ def test_lost_and_silent_workers(tmp_path):
         striker = threading.Thread(target=strike)
         striker.start()
         try:
-            report = distributed.record(scenario(**length), tmp_path / "d.zarr", client, shards=24, timeout_s=20, progress=False)
+            report = distributed.record(scenario(**length), tmp_path / "d.zarr", client, shards=24, timeout_s=10, progress=False)
         finally:
             stop.set()
             striker.join()

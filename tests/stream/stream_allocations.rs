@@ -150,7 +150,7 @@ const DRY: [(&str, &str); 2] = [("radar.rain_mmph", "0"), ("radar.rain_clutter",
 
 /// Pulses that are made as fast as they can be.
 fn made() -> u64 {
-    u64::from(cases(1200)).clamp(400, 1200)
+    u64::from(cases(1200)).clamp(300, 1200)
 }
 
 /// What else a scene may have, on a patch that stays and on one that follows, in blocks and pulse by pulse.
