@@ -175,9 +175,10 @@ fn sidelobe_tiles_leave_what_their_gain_allows() {
 fn blocks_of_grazing_and_following_seas() {
     // The edges of mars-live are out of sight in a patch of full size, here of larger facets.
     let wide = [("scene.facet_m", "4.0"), ("stream.threads", "2")];
-    for (name, settings, range) in
-        some_of([("mars-live.toml", &wide, sized(13_320..13_344, 13_320..13_332)), ("mars-4.toml", &small(), 240..264)])
-    {
+    for (name, settings, range) in some_of([
+        ("mars-live.toml", &wide, sized(13_320..13_344, 13_320..13_332)),
+        ("mars-4.toml", &small(), 240..264),
+    ]) {
         let settings = |echo| [&settings[..], &[("fidelity.echo", echo)]].concat();
         let exact = samples(&reference(scenario(name, &settings("fast"))), range.clone());
         let error_db = worst_db(&samples(&scenario(name, &settings("fast")), range), &exact);

@@ -12,11 +12,11 @@ use super::timing::Timing;
 use super::travelling::Part;
 use crate::cpu::Variant;
 use crate::frames::Vector;
-use crate::geometry::lanes::{End, LANES, Paths, lanes_for};
-use crate::paths::PathGenerator;
+use crate::geometry::lanes::{End, LANES, Paths, Row, lanes_for};
 use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Scale, Sight, Solve, View, port_products};
 use crate::paths::emission::Emission;
 use crate::paths::sea::{LandPlan, SeaPlan};
+use crate::paths::{PairPlan, PathGenerator};
 use crate::radar::polarisation::Axes;
 use crate::scattering::facets::Phases;
 use crate::scattering::lanes::{Batch, Beside};
@@ -410,27 +410,32 @@ impl PathGenerator {
             let (rows, weights) = (&areas[..paths.len()], &instant.weights);
             variant.run(Stretched { count, rows, weights, out: &mut scale });
         }
+        self.combine(*variant, plan, batch, &scale, out);
+        for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
+            if !self.antennas[antenna].is_real() {
+                self.complex_gain(antenna, axes, change, end, view, out, count);
+            }
+        }
+    }
+
+    /// What the batch returns between the ports of every channel of a pair, scaled.
+    fn combine(&self, variant: Variant, plan: &PairPlan, batch: &Batch, scale: &Row, out: &mut Epoch) {
         let isolations_db = [
-            self.radar.transmitters[tx].antenna.cross_pol_isolation_db,
-            self.radar.receivers[rx - transmitters].antenna.cross_pol_isolation_db,
+            self.radar.transmitters[plan.pair.transmitter].antenna.cross_pol_isolation_db,
+            self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db,
         ];
-        let Epoch { layers, power, .. } = &mut *out;
+        let Epoch { layers, power, .. } = out;
         power.fill(0.0);
         for (channels, layer) in plan.channels.chunks(CHANNELS_PER_LAYER).zip(layers) {
             let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
             for (&(_, tx_port, rx_port), port) in channels.iter().zip(&mut ports) {
                 *port = port_products([tx_port, rx_port], isolations_db);
             }
-            let (ports, scale, power) = (&ports[..channels.len()], &scale, &mut *power);
+            let (ports, power) = (&ports[..channels.len()], &mut *power);
             match layer.lanes() {
                 2 => variant.run(Combine::<2> { ports, scale, batch, out: layer.lines_mut(), power }),
                 4 => variant.run(Combine::<4> { ports, scale, batch, out: layer.lines_mut(), power }),
                 _ => variant.run(Combine::<8> { ports, scale, batch, out: layer.lines_mut(), power }),
-            }
-        }
-        for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
-            if !self.antennas[antenna].is_real() {
-                self.complex_gain(antenna, axes, change, end, view, out, count);
             }
         }
     }
