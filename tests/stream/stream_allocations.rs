@@ -302,9 +302,11 @@ fn counted_scenario(name: &str, settings: &[(String, String)], pulses: u64, read
     run.scene.pulses = pulses;
     let before_all = threads();
     // Both workers make blocks before it is counted, and meanwhile.
-    for (pace, end, from, to) in
-        [(Pace::Fast, pulses, (pulses / 6).max(150), pulses * 5 / 6), (Pace::Realtime, 400, 100, 350)]
-    {
+    let timed = pulses.min(400);
+    for (pace, end, from, to) in [
+        (Pace::Fast, pulses, (pulses / 6).max(150), pulses * 5 / 6),
+        (Pace::Realtime, timed, 100, timed - 50),
+    ] {
         // Workers of the run before may end late, and give back what they have.
         wait_for_threads(before_all);
         run.stream.pace = pace;

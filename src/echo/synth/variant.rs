@@ -21,7 +21,8 @@ fn portable<T: Scalar, const W: usize, const C: usize>(job: &Job<'_, T>, grids: 
     spread::<T, Portable, false, W, C>(Portable, job, grids);
 }
 
-// What a variant is compiled for is known here, so that no loop is compiled for instructions that it never has.
+// What a variant is compiled for is known here, so that no loop is compiled for instructions that it never
+// has.
 
 fn avx2<T: Scalar, const W: usize, const C: usize>(job: &Job<'_, T>, grids: &mut [T]) {
     match Avx2Fma::find() {
