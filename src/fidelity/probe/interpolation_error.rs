@@ -125,8 +125,8 @@ impl ErrorSampler<'_> {
         }
         let (pairs, cells) = (self.channels.len(), self.cells_at(first)?);
         let edges = probes.iter().map(|(_, probe)| (*probe).min(pulses - 1 - *probe) as u64).collect();
-        let mut sounded = Probed { edges, ..none };
-        let Some(tiles) = &mut self.tiles else { return Ok(sounded) };
+        let mut found = Probed { edges, ..none };
+        let Some(tiles) = &mut self.tiles else { return Ok(found) };
         let (candidates, interval_s) = (&self.candidates, self.interval_s);
         let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
         let all = Sidelobe { below_db: f64::INFINITY, epochs: sidelobe_epochs };
@@ -174,12 +174,12 @@ impl ErrorSampler<'_> {
                     }
                 }
             })?;
-            match sounded.close.get_mut(n) {
+            match found.close.get_mut(n) {
                 Some(close) => *close = sums,
-                None => sounded.sidelobe = Some(sums),
+                None => found.sidelobe = Some(sums),
             }
         }
-        Ok(sounded)
+        Ok(found)
     }
 
     /// Pulses at which a block is probed, and the intervals of its nodes that hold them.

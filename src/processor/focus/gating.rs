@@ -1,6 +1,6 @@
 //! From which pulses a pixel is made.
 
-use super::{DopplerBand, FocusError, Focuser, looks};
+use super::{DopplerBand, FocusError, Focuser, boresight};
 use crate::processor::backproject::{Aperture, Gate};
 use crate::recording::RecordingError;
 use crate::recording::ground::Ground;
@@ -54,7 +54,7 @@ impl Focuser<'_> {
                 Ok(known) => boresights.push(known),
                 Err(RecordingError::Missing { .. }) => {
                     let Some(instrument) = &self.instrument else { return Ok(None) };
-                    match looks::boresights(recording, instrument, (name, path))? {
+                    match boresight::boresights(recording, instrument, (name, path))? {
                         Some(reported) => boresights.push(reported),
                         None => return Ok(None),
                     }

@@ -18,7 +18,7 @@
 
 mod error;
 mod gating;
-mod looks;
+mod boresight;
 pub mod picture;
 
 use num_complex::Complex32;
@@ -169,7 +169,7 @@ impl<'a> Focuser<'a> {
         let middle = || {
             let instrument = instrument.as_ref().ok_or(FocusError::NoCentre)?;
             // A round number of metres is easier to give again.
-            Ok(looks::centre_m(recording, instrument, channel, recording.pulses() / 2).map(f64::round))
+            Ok(boresight::centre_m(recording, instrument, channel, recording.pulses() / 2).map(f64::round))
         };
         let [x, y] = settings.centre_m.map_or_else(middle, Ok::<_, FocusError>)?;
         let ground = Ground::map([x, y, settings.height_m], settings.size_m, settings.pixel_m)?;
