@@ -19,6 +19,8 @@ from distributed import Client, LocalCluster
 from nereus import distributed
 
 CONFIGS = Path(__file__).parents[2] / "configs"
+# How long a silent worker is waited for: long enough for one beside others on two cores.
+TIMEOUT_S = 20 if os.environ.get("NEREUS_ALL") else 10
 EVENTS = [
     {"at_s": 0.25, "platform": "aircraft", "change": "step position.up 5 m"},
     {"at_s": 3.9, "platform": "aircraft", "change": "step position.east 2 m"},
@@ -103,7 +105,7 @@ def test_lost_and_silent_workers(tmp_path):
         striker = threading.Thread(target=strike)
         striker.start()
         try:
-            report = distributed.record(scenario(**length), tmp_path / "d.zarr", client, shards=24, timeout_s=10, progress=False)
+            report = distributed.record(scenario(**length), tmp_path / "d.zarr", client, shards=24, timeout_s=TIMEOUT_S, progress=False)
         finally:
             stop.set()
             striker.join()

@@ -1,7 +1,8 @@
 //! What a run will take: memory, recording and speed, estimated before it starts.
 //!
 //! Sizes follow from the layout. Speed is measured: pulses spread over the run are made, by every worker
-//! at once, for about [`TRIAL`], and thrown away.
+//! at once, for about [`TRIAL`], and thrown away; of a scene whose blocks
+//! take longer, one block each.
 
 use std::time::{Duration, Instant};
 

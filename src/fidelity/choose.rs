@@ -81,11 +81,14 @@ impl<'a> Chooser<'a> {
     /// A scene whose tracks end early, or that the fast echo cannot make.
     pub fn choose(&mut self, asked: &Asked) -> Result<Plan, PlanError> {
         let Self { scene, generator, waveform, .. } = *self;
-        if given(asked) != self.given {
-            return Self::new(scene, generator, waveform, asked)?.choose(asked);
-        }
-        let (sampler, gain_steps) = (&mut self.sampler, &self.gain_steps);
-        choose_settings(scene, generator, waveform, asked, (sampler, gain_steps))
+        let mut other;
+        let own = if given(asked) == self.given {
+            self
+        } else {
+            other = Self::new(scene, generator, waveform, asked)?;
+            &mut other
+        };
+        choose_settings(scene, generator, waveform, asked, (&mut own.sampler, &own.gain_steps))
     }
 }
 

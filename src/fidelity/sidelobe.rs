@@ -73,6 +73,11 @@ impl Binned {
         Self(vec![Sum::default(); candidates.bins()])
     }
 
+    /// How many numbers it holds.
+    pub(super) fn numbers(&self) -> usize {
+        self.0.iter().map(Sum::numbers).sum()
+    }
+
     /// Adds those of the sidelobe tiles at a candidate, or those of all others, to a sum.
     pub(super) fn join_into(&self, candidates: &Candidates, candidate: usize, sidelobe: bool, sum: &mut Sum) {
         for (_, own) in

@@ -73,6 +73,11 @@ impl Sum {
         self.cells.iter_mut().zip(&other.cells).for_each(|(own, other)| *own += other);
     }
 
+    /// How many numbers it holds.
+    pub(super) fn numbers(&self) -> usize {
+        self.cells.len() + 2
+    }
+
     /// The sum of the terms.
     pub(super) fn mean(&self) -> f64 {
         self.of

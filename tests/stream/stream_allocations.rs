@@ -140,7 +140,7 @@ fn counted_pipeline() {
     counted_scenario("sea.toml", &small, pulses, || true);
     // Sidelobe tiles in some blocks only, while the beam passes.
     let sidelobe = [set("scene.patch_size_m", "[64, 64]"), set("fidelity.sidelobe_db", "-20")];
-    counted_scenario("mars-1.toml", &sidelobe, pulses, || true);
+    counted_scenario("mars-1.toml", &sidelobe, pulses.max(400), || true);
     // Late and wrong reports, turbulence, clocks.
     counted_scenario("errors.toml", &[], pulses, || true);
 }

@@ -53,6 +53,12 @@ pub struct Probed {
 }
 
 impl Probed {
+    /// How many numbers it holds.
+    fn numbers(&self) -> usize {
+        let all = self.close.iter().chain(&self.sidelobe).flatten().flatten().flatten();
+        all.map(Binned::numbers).sum()
+    }
+
     /// At every probe, with so many scattering epochs from node to node and sidelobe tiles by the threshold
     /// of a candidate.
     pub fn left(&self, epochs: usize, candidates: &Candidates, candidate: usize) -> Vec<InterpolationError> {
@@ -97,12 +103,13 @@ impl ErrorSampler<'_> {
     /// # Errors
     /// A track that ends before the place.
     pub fn left(&mut self, place: usize, node_pulses: u64) -> Result<Rc<Probed>, RadarError> {
-        if let Some(known) = self.probed.get(&(place, node_pulses)) {
-            return Ok(Rc::clone(known));
+        let key = (place, node_pulses);
+        if let Some(known) = self.known.probed.get(&key) {
+            return Ok(known);
         }
-        let found = Rc::new(self.probe(place, node_pulses)?);
-        self.probed.insert((place, node_pulses), Rc::clone(&found));
-        Ok(found)
+        let found = self.probe(place, node_pulses)?;
+        let numbers = found.numbers();
+        Ok(self.known.probed.keep(key, found, numbers))
     }
 
     fn probe(&mut self, place: usize, node_pulses: u64) -> Result<Probed, RadarError> {

@@ -33,16 +33,16 @@
 //! (10 % of 100). What moves the platforms between the places is not seen.
 
 mod interpolation_error;
+mod known;
 mod line;
 pub mod points;
 mod sweep;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
-use std::rc::Rc;
 
 use num_complex::Complex64;
 
+use self::known::Known;
 use super::turning::Cosines;
 use super::worst::{Cells, Sum, deviations_of};
 use crate::cpu::Variant;
@@ -147,12 +147,7 @@ pub struct ErrorSampler<'a> {
     candidates: Candidates,
     /// Facets of each bin of gain, sum over the run.
     gains: Vec<f64>,
-    /// What was found at a place with nodes so many pulses apart.
-    probed: BTreeMap<(usize, u64), Rc<interpolation_error::Probed>>,
-    /// The same of gains, by their steps and pulses of a block.
-    swept: BTreeMap<(Vec<u64>, u64), Rc<Vec<sweep::OfPlace>>>,
-    /// Points in stretches of the run.
-    stretches: BTreeMap<usize, Rc<points::Stretch>>,
+    known: Known,
 }
 
 /// Powers of a facet over the mean below which it may be left out.
@@ -202,9 +197,7 @@ impl<'a> ErrorSampler<'a> {
             culled: vec![vec![0.0; all]; LEASTS.len()],
             gains: vec![0.0; candidates.bins()],
             candidates,
-            probed: BTreeMap::new(),
-            swept: BTreeMap::new(),
-            stretches: BTreeMap::new(),
+            known: Known::default(),
         };
         own.find_points()?;
         let strongest = own.profile()?;

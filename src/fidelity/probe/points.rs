@@ -39,8 +39,6 @@ const LEAST_PROFILE: u64 = 64;
 /// Points and pulses of all stretches, at most; stretches at least, and at most.
 const MOST_FOLLOWED: u64 = 1 << 20;
 const STRETCHES: std::ops::RangeInclusive<u64> = 1..=64;
-/// Points and pulses of stretches that are kept in memory: some 10 MB.
-const MOST_KEPT: u64 = 1 << 16;
 /// Points that are followed.
 const MOST_POINTS: usize = 1024;
 /// Dopplers at which a [`Law`] is found, over the largest.
@@ -371,17 +369,15 @@ impl ErrorSampler<'_> {
         ScattererPaths::new(self.channels.len(), self.radar.channels.len(), self.generator.point_count())
     }
 
-    /// Points that are followed, at all pulses of a stretch; kept where they are few.
+    /// Points that are followed, at all pulses of a stretch.
     fn stretch(&mut self, n: usize) -> Result<Rc<Stretch>, RadarError> {
-        if let Some(known) = self.stretches.get(&n) {
-            return Ok(Rc::clone(known));
+        if let Some(known) = self.known.stretches.get(&n) {
+            return Ok(known);
         }
-        let found = Rc::new(self.follow(n)?);
-        let points = (self.points.stretches.len() * self.points.followed.len()) as u64;
-        if points * LONGEST <= MOST_KEPT {
-            self.stretches.insert(n, Rc::clone(&found));
-        }
-        Ok(found)
+        let found = self.follow(n)?;
+        let of_point = 1 + 4 * self.channels.len() + 2 * self.radar.channels.len();
+        let numbers = found.exact.len() * self.points.followed.len() * of_point;
+        Ok(self.known.stretches.keep(n, found, numbers))
     }
 
     fn follow(&mut self, n: usize) -> Result<Stretch, RadarError> {

@@ -115,14 +115,14 @@ impl ErrorSampler<'_> {
         all.sort_unstable();
         all.dedup();
         let key = (all.clone(), block_pulses);
-        let sea = match self.swept.get(&key) {
-            Some(known) => Rc::clone(known),
+        let sea = match self.known.swept.get(&key) {
+            Some(known) => known,
             None => {
                 let places = 0..self.places.len();
                 let found = places.map(|place| self.gains_of_sea(place, &all, block_pulses));
-                let found = Rc::new(found.collect::<Result<_, _>>()?);
-                self.swept.insert(key, Rc::clone(&found));
-                found
+                let found = found.collect::<Result<Vec<_>, _>>()?;
+                let numbers = found.iter().flatten().flatten().flatten().flatten().map(Binned::numbers).sum();
+                self.known.swept.keep(key, found, numbers)
             }
         };
         let (share, deviations) = (self.sampled(), self.deviations());
