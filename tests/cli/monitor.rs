@@ -199,8 +199,10 @@ fn a_change_from_the_page_is_seen_and_logged() {
     // Two at once: both are answered, and both changes are made.
     let mut others = [with.browser(), with.browser()];
     others.iter_mut().for_each(|other| other.send(r#"{"change":"clear on mast"}"#));
+    let mut newest = pulse;
     for other in &mut others {
         let text = other.json("answer")["text"].as_str().unwrap().to_owned();
+        newest = newest.max(text.split(' ').nth(2).unwrap().parse().unwrap());
         assert!(text.starts_with("ok pulse ") && text.ends_with(" clear on mast"), "{text}");
     }
     let status = browser.until(|message| match message {
@@ -212,9 +214,10 @@ fn a_change_from_the_page_is_seen_and_logged() {
     let one = &status["misreported"][0];
     assert_eq!((&one["platform"], &one["quantity"]), (&"aircraft".into(), &"position".into()));
     assert_eq!((&one["direction"], one["since_pulse"].as_u64()), (&"too high".into(), Some(pulse)));
-    // Each point: pulse, time, 16 values a platform; 6 to 8 are the error of position.
+    // Each point: pulse, time, 16 values a platform; 6 to 8 are the error of position. The report has the
+    // changes of pulses that were released.
     let mut points = Vec::new();
-    while points.last().is_none_or(|(last, _)| *last < pulse + 20) {
+    while points.last().is_none_or(|(last, _)| *last < newest + 20) {
         let history = browser.json("history");
         let new = history["points"].as_array().unwrap().iter();
         points.extend(new.map(|row| (row[0].as_f64().unwrap() as u64, row[2 + 16 + 8].as_f64().unwrap())));
