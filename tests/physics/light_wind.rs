@@ -6,14 +6,13 @@ use nereus::scattering::kind::clean::Clean;
 use nereus::scattering::kind::turbulent_wake::{TurbulentWake, WIND_RATIO};
 use nereus::scattering::permittivity::{Model, SeaWater};
 use nereus::scattering::tilt::Path;
-use nereus::scattering::two_scale::{Medium, Settings};
+use nereus::scattering::two_scale::{Medium, Settings, TwoScale};
 use nereus::scene::water::{Development, SpectrumKind, WindProfile};
 use nereus::sea::spectrum::light_wind::threshold_mps;
 use nereus::sea::spectrum::{LightWind, Spectrum, WaveVector, of_kind};
 use nereus::sea::wind::Wind;
 
 use crate::cases::sized;
-use crate::two_scale;
 
 const BANDS: [(&str, f64); 4] = [("L", 1.3e9), ("C", 5.3e9), ("X", 10e9), ("Ka", 35e9)];
 
@@ -77,7 +76,7 @@ fn more_wind_never_returns_less() {
                 let medium = medium(*carrier_hz, &wind, *facet_m);
                 let sea = match &mut sea {
                     Some((of, sea)) if *of == medium => sea,
-                    other => &mut other.insert((medium, two_scale(settings, medium, Clean, psi))).1,
+                    other => &mut other.insert((medium, TwoScale::new(settings, medium, Clean, &psi))).1,
                 };
                 let sigma0 = sea.response(path, (0.0, 0.0), 0.0).sigma0();
                 let found = [sigma0[0][0], sigma0[1][1]].map(|ratio| 10.0 * ratio.log10());
@@ -130,7 +129,8 @@ fn the_dark_wake_is_dark_in_every_band() {
                 |k: f64| inside.omnidirectional_m3(k) / outside.omnidirectional_m3(k).max(f64::MIN_POSITIVE);
             let strip = TurbulentWake::new(range, ratio).unwrap();
             let settings = Settings { tilt_average: true, ..Settings::default() };
-            let sea = two_scale(settings, medium, strip, |x, y| outside.symmetric_m4(WaveVector::new(x, y)));
+            let sea =
+                TwoScale::new(settings, medium, strip, |x, y| outside.symmetric_m4(WaveVector::new(x, y)));
             let [clean, dark] =
                 [0.0, 1.0].map(|cover| sea.response(&path(45.0, 0.0), (0.0, 0.0), cover).sigma0()[0][0]);
             let contrast_db = 10.0 * (clean / dark).log10();

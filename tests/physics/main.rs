@@ -60,19 +60,3 @@ mod wake_short;
 mod wake_turbulent;
 mod wake_kochin;
 mod waveform_spectrum;
-
-use nereus::scattering::kind::Kind;
-use nereus::scattering::two_scale::{Medium, Settings, TwoScale};
-
-/// A spectrum by wavenumbers, rad/m: `psi(kx, ky)`, m^4.
-type Psi<'a> = Box<dyn Fn(f64, f64) -> f64 + Send + Sync + 'a>;
-
-/// A sea over any spectrum, compiled once for all of them.
-fn two_scale<'a, K: Kind>(
-    settings: Settings,
-    medium: Medium,
-    kind: K,
-    psi: impl Fn(f64, f64) -> f64 + Send + Sync + 'a,
-) -> TwoScale<K, Psi<'a>> {
-    TwoScale::new(settings, medium, kind, Box::new(psi))
-}

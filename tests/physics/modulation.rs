@@ -9,7 +9,7 @@ use nereus::scattering::kind::clean::Clean;
 use nereus::scattering::modulation::of_bragg_waves_per_s;
 use nereus::scattering::permittivity::{Model, SeaWater};
 use nereus::scattering::tilt::Path;
-use nereus::scattering::two_scale::{Medium, Settings};
+use nereus::scattering::two_scale::{Medium, Settings, TwoScale};
 use nereus::scene::radar::{Gate, Polarisation, Window};
 use nereus::scene::sea::{Averaging, Modulation};
 use nereus::scene::water::{Development, Dispersion, SpectrumKind, WindProfile};
@@ -23,7 +23,6 @@ use num_complex::Complex64;
 
 use super::radar_scenes::{PULSE_S, buffers, channels, scene, straight};
 use super::sea_paths::sea;
-use crate::two_scale;
 
 /// Modulation of waves along a unit direction, wave by wave, and its variance:
 /// `R = 4.5 K w (w - j mu)/(w^2 + mu^2) (K_l/K)^2`, K times `coth(K d)` in finite depth.
@@ -155,9 +154,9 @@ impl CBand {
         };
         let psi = |x: f64, y: f64| self.scatters.symmetric_m4(WaveVector::new(x, y));
         let settings = Settings { tilt_average: true, ..Settings::default() };
-        let still = two_scale(settings, medium, Clean, psi);
+        let still = TwoScale::new(settings, medium, Clean, psi);
         let wave_psi = |x: f64, y: f64| self.scatters.wave_m4(WaveVector::new(x, y));
-        let sea = two_scale(settings, medium, Clean, psi).modulated(
+        let sea = TwoScale::new(settings, medium, Clean, psi).modulated(
             wave_psi,
             Dispersion::default(),
             self.rate_per_s,

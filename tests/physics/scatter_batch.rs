@@ -14,7 +14,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::scatter_laws::{EPS, medium, spectrum, uniform, upwards};
-use crate::two_scale;
 
 struct Batch {
     incident: [Vec<f64>; 3],
@@ -73,7 +72,7 @@ fn scatter<K: nereus::scattering::kind::Kind>(
 #[test]
 fn mean_power_over_phases_is_sigma0_times_area() {
     let settings = Settings { tilt_average: true, ..Settings::default() };
-    let sea = two_scale(settings, medium(DVec3::X), Slick::default(), |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(settings, medium(DVec3::X), Slick::default(), |x, y| spectrum().psi(x, y));
     // Specular and Bragg parts of the same order.
     let down = DVec3::new(0.35, 0.0, -(1.0f64 - 0.35 * 0.35).sqrt());
     let (slopes, cover) = ((0.05, -0.1), 0.3);
@@ -108,7 +107,7 @@ fn mean_power_over_phases_is_sigma0_times_area() {
 
 #[test]
 fn a_cut_batch_gives_the_same_bits() {
-    let sea = two_scale(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
     let mut draws = ChaCha8Rng::seed_from_u64(5);
     let mut batch = Batch::new();
     let mut phasors = [Complex64::ZERO; 2];
@@ -163,9 +162,10 @@ fn forgetting_follows_its_law() {
 #[test]
 fn tabulated_spectrum_stays_within_its_word() {
     let psi = |x: f64, y: f64| spectrum().psi(x, y);
-    let exact = two_scale(Settings::default(), medium(DVec3::X), Slick::default(), psi);
+    let exact = TwoScale::new(Settings::default(), medium(DVec3::X), Slick::default(), psi);
     let table = SpectrumTable::for_bragg(psi, medium(DVec3::X).wavenumber_radpm(), exact.cut_radpm());
-    let quick = two_scale(Settings::default(), medium(DVec3::X), Slick::default(), |x, y| table.psi(x, y));
+    let quick =
+        TwoScale::new(Settings::default(), medium(DVec3::X), Slick::default(), |x, y| table.psi(x, y));
     let mut draws = ChaCha8Rng::seed_from_u64(6);
     let (mut power, mut difference, mut worst) = (0.0, 0.0, 0.0f64);
     for _ in 0..20_000 {
@@ -214,7 +214,7 @@ fn many_harmonics_are_kept() {
 
 #[test]
 fn wrong_lengths_are_named() {
-    let sea = two_scale(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
     let mut batch = Batch::new();
     batch.push((DVec3::NEG_Z, DVec3::Z), (0.0, 0.0), 1.0, &[Complex64::ONE]);
     let mut out = [[Complex64::ZERO; 1]; 4];

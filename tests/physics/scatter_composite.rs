@@ -15,7 +15,6 @@ use nereus::scattering::tilt::{Path, Tangent};
 use nereus::scattering::two_scale::{Medium, Settings, TwoScale};
 
 use crate::scatter_oracle::Elfouhaily;
-use crate::two_scale;
 
 fn sea(resolved_radpm: f64, tilt_average: bool) -> TwoScale<Clean, impl Fn(f64, f64) -> f64> {
     let water = SeaWater { temperature_c: 20.0, salinity_gpkg: 35.0 };
@@ -29,7 +28,7 @@ fn sea(resolved_radpm: f64, tilt_average: bool) -> TwoScale<Clean, impl Fn(f64, 
     };
     let spectrum = Elfouhaily { wind_10_mps: 10.0, downwind_rad: 0.0 };
     let settings = Settings { tilt_average, ..Settings::default() };
-    two_scale(settings, medium, Clean, move |kx, ky| spectrum.psi(kx, ky))
+    TwoScale::new(settings, medium, Clean, move |kx, ky| spectrum.psi(kx, ky))
 }
 
 fn monostatic(incidence_deg: f64, azimuth_rad: f64) -> Path {

@@ -15,7 +15,6 @@ use proptest::prelude::*;
 
 use crate::scatter_laws::{EPS, medium, spectrum};
 use crate::scatter_oracle::Elfouhaily;
-use crate::two_scale;
 
 fn finite(response: &Response) -> bool {
     response.bragg().iter().chain([&response.specular]).flatten().flatten().all(|s| s.is_finite())
@@ -31,7 +30,7 @@ fn inclined(theta_rad: f64, azimuth_rad: f64) -> DVec3 {
 }
 
 fn default_sea() -> TwoScale<Clean, impl Fn(f64, f64) -> f64> {
-    two_scale(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y))
+    TwoScale::new(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y))
 }
 
 #[test]
@@ -104,7 +103,7 @@ fn a_medium_like_air_is_invisible() {
     for contrast in [0.0, 1e-300, 1e-16, 1e-12] {
         let mut medium = medium(DVec3::X);
         medium.permittivity = Complex64::new(1.0 + contrast, 0.0);
-        let sea = two_scale(Settings::default(), medium, Clean, |x, y| spectrum().psi(x, y));
+        let sea = TwoScale::new(Settings::default(), medium, Clean, |x, y| spectrum().psi(x, y));
         for theta in [0.0, 0.8, 1.5] {
             let up = inclined(theta, 0.3);
             let response = sea.response(&Path::new(-up, up), (0.01, 0.02), 0.0);
@@ -124,7 +123,7 @@ fn a_dead_calm_sea_glints() {
     medium.wind_12p5_mps = 0.0;
     for splitting in [Splitting::Consistent, Splitting::Mars2007] {
         let settings = Settings { splitting, gram_charlier: true, ..Settings::default() };
-        let sea = two_scale(settings, medium, Slick::default(), |_, _| 0.0);
+        let sea = TwoScale::new(settings, medium, Slick::default(), |_, _| 0.0);
         let nadir = sea.response(&Path::new(DVec3::NEG_Z, DVec3::Z), (0.0, 0.0), 0.0);
         assert!(finite(&nadir) && nadir.specular_sigma0()[0][0] > 10.0);
         let up = inclined(0.8, 0.0);
@@ -140,7 +139,7 @@ fn from_l_to_ka() {
         let mut medium = medium(DVec3::X);
         medium.carrier_hz = carrier_hz;
         medium.permittivity = Model::default().permittivity(carrier_hz, water).unwrap();
-        let sea = two_scale(Settings::default(), medium, Clean, |x, y| spectrum().psi(x, y));
+        let sea = TwoScale::new(Settings::default(), medium, Clean, |x, y| spectrum().psi(x, y));
         let cut = sea.cut_radpm().unwrap();
         assert_eq!(cut, (medium.wavenumber_radpm() / 3.0).max(PI));
         let up = inclined(PI / 4.0, 0.0);
@@ -216,7 +215,7 @@ proptest! {
         let spectrum = Elfouhaily { wind_10_mps: wind, downwind_rad };
         // A sea of no wind is flat.
         let psi = |x: f64, y: f64| if wind < 0.3 { 0.0 } else { spectrum.psi(x, y) };
-        let sea = two_scale(settings, medium, Slick::default(), psi);
+        let sea = TwoScale::new(settings, medium, Slick::default(), psi);
         for (from, to, zx, zy, cover) in facets {
             for path in [Path::new(-from, to), Path::new(-from, from), Path::new(from, from)] {
                 let response = sea.response(&path, (zx, zy), cover);

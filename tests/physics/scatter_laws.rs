@@ -11,14 +11,13 @@ use nereus::scattering::kirchhoff::Specular;
 use nereus::scattering::slope_pdf::{MeanSquareSlope, SlopePdf};
 use nereus::scattering::spm;
 use nereus::scattering::tilt::{NO_ECHO, Path, ScatterMatrix, Tangent};
-use nereus::scattering::two_scale::{Medium, Response, Settings, Splitting};
+use nereus::scattering::two_scale::{Medium, Response, Settings, Splitting, TwoScale};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::cases::cases;
 use crate::scatter_oracle::Elfouhaily;
-use crate::two_scale;
 
 pub const EPS: Complex64 = Complex64::new(55.062, -37.514);
 
@@ -61,7 +60,7 @@ fn swapping_the_ends_changes_nothing() {
     let mut draws = ChaCha8Rng::seed_from_u64(1);
     let mut worst: f64 = 0.0;
     let settings = Settings { tilt_average: true, gram_charlier: true, ..Settings::default() };
-    let sea = two_scale(settings, medium(DVec3::X), Slick::default(), |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(settings, medium(DVec3::X), Slick::default(), |x, y| spectrum().psi(x, y));
     for _ in 0..cases(2000) {
         let (from, to) = (upwards(&mut draws, 1.5), upwards(&mut draws, 1.5));
         let slopes = (uniform(&mut draws, -0.4, 0.4), uniform(&mut draws, -0.4, 0.4));
@@ -216,10 +215,10 @@ fn turning_the_whole_scene_changes_nothing() {
     let psi = |x: f64, y: f64| spectrum().psi(x, y);
     for splitting in [Splitting::Consistent, Splitting::Mars2007] {
         let settings = Settings { splitting, tilt_average: true, gram_charlier: true, ..Settings::default() };
-        let still = two_scale(settings, medium(DVec3::X), Slick::default(), psi);
+        let still = TwoScale::new(settings, medium(DVec3::X), Slick::default(), psi);
         for _ in 0..cases(20) {
             let turn = DMat3::from_rotation_z(uniform(&mut draws, 0.0, TAU));
-            let turned = two_scale(settings, medium(turn * DVec3::X), Slick::default(), psi);
+            let turned = TwoScale::new(settings, medium(turn * DVec3::X), Slick::default(), psi);
             for _ in 0..50 {
                 let (from, to) = (upwards(&mut draws, 1.5), upwards(&mut draws, 1.5));
                 let slope = DVec3::new(uniform(&mut draws, -0.4, 0.4), uniform(&mut draws, -0.4, 0.4), 0.0);
@@ -244,8 +243,8 @@ fn a_film_darkens_the_sea_smoothly() {
     let psi = |x: f64, y: f64| spectrum().psi(x, y);
     let down = DVec3::new(0.5f64.sqrt(), 0.0, -0.5f64.sqrt());
     let path = Path::new(down, -down);
-    let film = two_scale(Settings::default(), medium(DVec3::X), Slick::default(), psi);
-    let open = two_scale(Settings::default(), medium(DVec3::X), Clean, psi);
+    let film = TwoScale::new(Settings::default(), medium(DVec3::X), Slick::default(), psi);
+    let open = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, psi);
     let vv = |sea: &dyn Fn(f64) -> Response, cover: f64| sea(cover).sigma0()[0][0];
     let under = |cover: f64| film.response(&path, (0.0, 0.0), cover);
     let clean = |cover: f64| open.response(&path, (0.0, 0.0), cover);

@@ -10,7 +10,7 @@ use nereus::scattering::kind::slick::Slick;
 use nereus::scattering::permittivity::{Model, SeaWater};
 use nereus::scattering::slope_pdf::{MeanSquareSlope, SlopePdf};
 use nereus::scattering::tilt::Path;
-use nereus::scattering::two_scale::{Medium, Response, Settings, Splitting};
+use nereus::scattering::two_scale::{Medium, Response, Settings, Splitting, TwoScale};
 use nereus::scene::water::WindProfile;
 use nereus::sea::spectrum::WaveVector;
 use nereus::sea::wind::Wind;
@@ -22,7 +22,6 @@ use crate::cases::cases;
 use crate::scatter_laws::{EPS, medium, spectrum, uniform, upwards};
 use crate::scatter_oracle::Elfouhaily;
 use crate::sea_spectrum::every_spectrum;
-use crate::two_scale;
 
 /// Every choice there is, with a cut of its own and without.
 fn every_setting() -> Vec<Settings> {
@@ -51,7 +50,7 @@ fn the_ends_may_be_swapped_in_every_option() {
         for downwind_rad in [0.0, 0.4, 2.0] {
             let medium = Medium { downwind_rad, ..medium(DVec3::X) };
             let waves = Elfouhaily { downwind_rad, ..spectrum() };
-            let sea = two_scale(settings, medium, Slick::default(), |x, y| waves.psi(x, y));
+            let sea = TwoScale::new(settings, medium, Slick::default(), |x, y| waves.psi(x, y));
             for _ in 0..cases(200) {
                 let (from, to) = (upwards(&mut draws, 1.55), upwards(&mut draws, 1.55));
                 let slopes = (uniform(&mut draws, -0.8, 0.8), uniform(&mut draws, -0.8, 0.8));
@@ -85,7 +84,7 @@ fn wind_and_radar_turn_together_over_level_facets() {
         let sea = |downwind_rad: f64| {
             let waves = Elfouhaily { downwind_rad, ..spectrum() };
             let medium = Medium { downwind_rad, ..medium(DVec3::X) };
-            two_scale(settings, medium, Slick::default(), move |x, y| waves.psi(x, y))
+            TwoScale::new(settings, medium, Slick::default(), move |x, y| waves.psi(x, y))
         };
         let still = sea(0.4);
         for _ in 0..cases(20) {
@@ -113,7 +112,7 @@ fn monostatic_specular_points_are_the_textbook_formula() {
     for settings in every_setting() {
         let medium = Medium { downwind_rad: 0.0, ..medium(DVec3::X) };
         let waves = Elfouhaily { downwind_rad: 0.0, ..spectrum() };
-        let sea = two_scale(settings, medium, Clean, |x, y| waves.psi(x, y));
+        let sea = TwoScale::new(settings, medium, Clean, |x, y| waves.psi(x, y));
         let moments = sea.moments(0.0);
         for deg in [0.0f64, 3.0, 8.0, 15.0, 22.0] {
             let (sin, cos) = deg.to_radians().sin_cos();
@@ -147,7 +146,7 @@ fn the_receiver_passes_through_the_specular_point() {
     // Munk.
     let peak_db = |splitting| {
         let settings = Settings { splitting, ..Settings::default() };
-        let sea = two_scale(settings, medium, Clean, |x, y| waves.psi(x, y));
+        let sea = TwoScale::new(settings, medium, Clean, |x, y| waves.psi(x, y));
         let k = medium.wavenumber_radpm();
         let damping = (4.0 * k * k * sea.moments(0.0).roughness_m2).exp();
         let nadir = Path::new(DVec3::NEG_Z, DVec3::Z);
@@ -161,7 +160,7 @@ fn the_receiver_passes_through_the_specular_point() {
     // Across the specular direction of a transmitter at 50 degrees, in steps of 0.01 degrees: what the radar
     // sees changes smoothly and peaks there.
     for settings in every_setting().into_iter().filter(|s| s.splitting == Splitting::Consistent) {
-        let sea = two_scale(settings, medium, Clean, |x, y| waves.psi(x, y));
+        let sea = TwoScale::new(settings, medium, Clean, |x, y| waves.psi(x, y));
         let ki = DVec3::new(50f64.to_radians().sin(), 0.0, -(50f64.to_radians().cos()));
         let at = |deg: f64, across_deg: f64| {
             let (sin, cos) = deg.to_radians().sin_cos();
@@ -194,7 +193,7 @@ fn facets_steeper_than_45_degrees_are_facets() {
     // level one at nadir.
     for splitting in [Splitting::Consistent, Splitting::Mars2007] {
         let settings = Settings { splitting, ..Settings::default() };
-        let sea = two_scale(settings, medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+        let sea = TwoScale::new(settings, medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
         let nadir = sea.response(&Path::new(DVec3::NEG_Z, DVec3::Z), (0.0, 0.0), 0.0).specular_sigma0();
         for slope in [1.0, 1.5, 3.0, 10.0] {
             for azimuth in [0.0f64, 1.0, 2.5] {
@@ -217,7 +216,7 @@ fn facets_steeper_than_45_degrees_are_facets() {
 #[test]
 fn nadir_does_not_depend_on_the_convention_of_its_bases() {
     for settings in every_setting().into_iter().filter(|s| s.splitting == Splitting::Consistent) {
-        let sea = two_scale(settings, medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+        let sea = TwoScale::new(settings, medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
         for slopes in [(0.0, 0.0), (0.1, -0.2)] {
             let nadir = total(&sea.response(&Path::new(DVec3::NEG_Z, DVec3::Z), slopes, 0.0));
             for azimuth in [0.0f64, 0.7, 2.0, 4.0] {
@@ -237,7 +236,7 @@ fn nadir_does_not_depend_on_the_convention_of_its_bases() {
 
 #[test]
 fn the_density_below_the_cut_is_that_of_its_moments() {
-    let sea = two_scale(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
     let MeanSquareSlope { up, cross } = sea.moments(0.0).slopes;
     let (sin, cos) = medium(DVec3::X).downwind_rad.sin_cos();
     let expected = SlopePdf::along(MeanSquareSlope { up, cross }, None, cos, sin);
@@ -273,7 +272,7 @@ proptest! {
             axis: DVec3::X,
         };
         let psi = |kx: f64, ky: f64| waves.symmetric_m4(WaveVector::new(kx, ky));
-        let sea = two_scale(settings, medium, Slick::default(), psi);
+        let sea = TwoScale::new(settings, medium, Slick::default(), psi);
         for (theta_i, phi_i, theta_s, phi_s, zx, zy, cover) in facets {
             let direction = |theta: f64, phi: f64| {
                 DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())

@@ -1,12 +1,11 @@
 //! The average over tilts: what a sea returns in the mean is what the table has, whatever the size of its
 //! facets.
 
-use crate::two_scale;
 use glam::DVec3;
 use nereus::scattering::kind::clean::Clean;
 use nereus::scattering::permittivity::{Model, SeaWater};
 use nereus::scattering::tilt::Path;
-use nereus::scattering::two_scale::{Medium, Settings};
+use nereus::scattering::two_scale::{Medium, Settings, TwoScale};
 use nereus::scene::sea::{Averaging, FacetScattering};
 use nereus::scene::water::{Development, Dispersion, SpectrumKind, WindProfile};
 use nereus::sea::spectrum::{LightWind, Spectrum, WaveVector};
@@ -30,7 +29,7 @@ fn mean_db(facet_m: f64, incidence_deg: f64, tilt_average: bool) -> [f64; 2] {
         axis: DVec3::X,
     };
     let settings = Settings { tilt_average, ..Settings::default() };
-    let sea = two_scale(settings, medium, Clean, |x, y| spectrum.symmetric_m4(WaveVector::new(x, y)));
+    let sea = TwoScale::new(settings, medium, Clean, |x, y| spectrum.symmetric_m4(WaveVector::new(x, y)));
     let (s, c) = incidence_deg.to_radians().sin_cos();
     let away = DVec3::new(-s, 0.0, -c);
     let path = Path::new(away, -away);
