@@ -87,6 +87,8 @@ impl Variant {
 
 /// Instructions that are there: what is compiled for one set of them alone takes one as an argument.
 pub(crate) trait Instructions: Copy {
+    /// Where this CPU has them.
+    fn find() -> Option<Self>;
     /// Runs a task with them.
     fn run<T: Task>(self, task: T) -> T::Output;
 }
@@ -96,6 +98,10 @@ pub(crate) trait Instructions: Copy {
 pub(crate) struct Portable;
 
 impl Instructions for Portable {
+    fn find() -> Option<Self> {
+        Some(Self)
+    }
+
     #[inline]
     fn run<T: Task>(self, task: T) -> T::Output {
         task.run()
@@ -108,14 +114,11 @@ macro_rules! instructions {
         #[derive(Clone, Copy)]
         pub(crate) struct $name(());
 
-        impl $name {
-            /// Where this CPU has them.
-            pub(crate) fn find() -> Option<Self> {
+        impl Instructions for $name {
+            fn find() -> Option<Self> {
                 Variant::$name.is_available().then_some(Self(()))
             }
-        }
 
-        impl Instructions for $name {
             #[inline]
             fn run<T: Task>(self, task: T) -> T::Output {
                 #[cfg(target_arch = "x86_64")]

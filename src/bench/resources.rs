@@ -1,8 +1,7 @@
 //! What a run will take: memory, recording and speed, estimated before it starts.
 //!
 //! Sizes follow from the layout. Speed is measured: pulses spread over the run are made, by every worker
-//! at once, for about [`TRIAL`], and thrown away; of a scene whose blocks
-//! take longer, one block each.
+//! at once, for about [`TRIAL`], and thrown away; of a scene whose blocks take longer, one block each.
 
 use std::time::{Duration, Instant};
 
@@ -76,7 +75,7 @@ impl PulseStream {
             let first = schedule.first + step % blocks * block;
             first - first % block..(first - first % block + block).min(schedule.end())
         };
-        // Blocks made and the seconds that took, each worker from its own step on: one at least.
+        // Pulses made and the time that took, each worker from its own step on: a block at least.
         let mut make_for = |least: Duration, step_of: fn(u64) -> u64| {
             let begun = Instant::now();
             let of_worker = |(hand, (slot, work)): (usize, &mut (_, _))| {

@@ -80,68 +80,64 @@ impl<'a> Chooser<'a> {
     /// # Errors
     /// A scene whose tracks end early, or that the fast echo cannot make.
     pub fn choose(&mut self, asked: &Asked) -> Result<Plan, PlanError> {
-        let Self { scene, generator, waveform, .. } = *self;
-        let mut other;
-        let own = if given(asked) == self.given {
-            self
-        } else {
-            other = Self::new(scene, generator, waveform, asked)?;
-            &mut other
-        };
-        choose_settings(scene, generator, waveform, asked, (&mut own.sampler, &own.gain_steps))
-    }
-}
-
-fn choose_settings(
-    scene: &Scene,
-    generator: &PathGenerator,
-    waveform: &Arc<dyn Waveform>,
-    asked: &Asked,
-    (sampler, gain_steps): (&mut ErrorSampler<'_>, &[u64]),
-) -> Result<Plan, PlanError> {
-    let budget = Budget::of(asked);
-    let panel_pulses = sampler.choose_panel_pulses(10f64.powf((asked.error_db - PANELS_DB) / 10.0));
-
-    let hold_pulses = generator.hold_pulses();
-    let spacings = spacings(asked, hold_pulses);
-    let lengths = spacings.iter().filter(|_| !budget.exact).map(|pulses| block_length(*pulses, hold_pulses));
-    let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
-    let synth = Echoes { scene, generator, waveform }.choose(sampler, &budget, &blocks)?;
-    let kept = sampler.kept(budget.least_power);
-    let size = Size::of(scene, generator, &synth.settings, waveform.as_ref(), kept);
-    let one_by_one = |gain_pulses: u64| {
-        let chosen = EchoSettings {
-            node_pulses: 1,
-            epochs_per_node: 1,
-            gain_pulses,
-            panel_pulses,
-            sidelobe: None,
-            sidelobe_share: 0.0,
-            least_power: budget.least_power,
-            precision: budget.precision,
-            echo: synth.single,
-        };
-        let prediction = Prediction { echo: synth.single_error, ..Prediction::default() };
-        Plan { asked: *asked, chosen, prediction, work: size.work(&chosen, false), size }
-    };
-    if budget.exact || !sampler.interpolates() {
-        let mut plan = one_by_one(asked.gain_pulses.unwrap_or(1));
-        if !budget.exact {
-            plan.chosen.node_pulses = asked.node_pulses.unwrap_or(1);
+        if given(asked) == self.given {
+            return self.choose_given(asked);
         }
-        return Ok(plan);
+        Self::new(self.scene, self.generator, self.waveform, asked)?.choose_given(asked)
     }
 
-    let search =
-        Search::new(scene, generator, sampler, (budget, &synth, size), (gain_steps.to_vec(), panel_pulses));
-    let best = search.best(sampler, &spacings)?.unwrap_or_else(|| one_by_one(1));
-    if !best.keeps() && asked.node_pulses.is_none() {
-        let plan = one_by_one(asked.gain_pulses.unwrap_or(1));
-        if plan.prediction.total() < best.prediction.total() {
+    fn choose_given(&mut self, asked: &Asked) -> Result<Plan, PlanError> {
+        let Self { scene, generator, waveform, ref mut sampler, ref gain_steps, .. } = *self;
+        let budget = Budget::of(asked);
+        let panel_pulses = sampler.choose_panel_pulses(10f64.powf((asked.error_db - PANELS_DB) / 10.0));
+
+        let hold_pulses = generator.hold_pulses();
+        let spacings = spacings(asked, hold_pulses);
+        let lengths =
+            spacings.iter().filter(|_| !budget.exact).map(|pulses| block_length(*pulses, hold_pulses));
+        let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
+        let synth = Echoes { scene, generator, waveform }.choose(sampler, &budget, &blocks)?;
+        let kept = sampler.kept(budget.least_power);
+        let size = Size::of(scene, generator, &synth.settings, waveform.as_ref(), kept);
+        let one_by_one = |gain_pulses: u64| {
+            let chosen = EchoSettings {
+                node_pulses: 1,
+                epochs_per_node: 1,
+                gain_pulses,
+                panel_pulses,
+                sidelobe: None,
+                sidelobe_share: 0.0,
+                least_power: budget.least_power,
+                precision: budget.precision,
+                echo: synth.single,
+            };
+            let prediction = Prediction { echo: synth.single_error, ..Prediction::default() };
+            Plan { asked: *asked, chosen, prediction, work: size.work(&chosen, false), size }
+        };
+        if budget.exact || !sampler.interpolates() {
+            let mut plan = one_by_one(asked.gain_pulses.unwrap_or(1));
+            if !budget.exact {
+                plan.chosen.node_pulses = asked.node_pulses.unwrap_or(1);
+            }
             return Ok(plan);
         }
+
+        let search = Search::new(
+            scene,
+            generator,
+            sampler,
+            (budget, &synth, size),
+            (gain_steps.clone(), panel_pulses),
+        );
+        let best = search.best(sampler, &spacings)?.unwrap_or_else(|| one_by_one(1));
+        if !best.keeps() && asked.node_pulses.is_none() {
+            let plan = one_by_one(asked.gain_pulses.unwrap_or(1));
+            if plan.prediction.total() < best.prediction.total() {
+                return Ok(plan);
+            }
+        }
+        Ok(best)
     }
-    Ok(best)
 }
 
 /// Spacings of the nodes that come into question, from far to close, pulses.

@@ -7,8 +7,8 @@ use super::interpolation_error::Probed;
 use super::points::Stretch;
 use super::sweep::OfPlace;
 
-/// Numbers that are kept, at most: 32 MiB.
-const MOST_NUMBERS: usize = 1 << 22;
+/// Numbers of each kind that are kept, at most: 32 MiB of all.
+const MOST_NUMBERS: usize = (1 << 22) / 3;
 
 /// What was found, as long as there is room.
 #[derive(Default)]
@@ -41,7 +41,7 @@ impl<K: Ord, V> Kept<K, V> {
     /// Keeps a result that consists of so many numbers, unless there is no room.
     pub fn keep(&mut self, key: K, found: V, numbers: usize) -> Rc<V> {
         let found = Rc::new(found);
-        if self.numbers.saturating_add(numbers) <= MOST_NUMBERS / 3 {
+        if self.numbers.saturating_add(numbers) <= MOST_NUMBERS {
             self.numbers += numbers;
             self.of.insert(key, Rc::clone(&found));
         }
@@ -57,7 +57,7 @@ mod tests {
     fn what_has_no_room_is_not_kept() {
         let mut kept = Kept::default();
         assert_eq!(*kept.keep(1, "small", 10), "small");
-        assert_eq!(*kept.keep(2, "large", MOST_NUMBERS), "large");
+        assert_eq!(*kept.keep(2, "large", MOST_NUMBERS - 9), "large");
         assert_eq!(*kept.keep(3, "endless", usize::MAX), "endless");
         assert_eq!([1, 2, 3].map(|key| kept.get(&key).is_some()), [true, false, false]);
     }
