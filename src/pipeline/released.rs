@@ -48,8 +48,9 @@ pub enum ScenarioError {
 /// use nereus::transport::Pace;
 ///
 /// let scenario = Scenario::load("configs/selftest.toml", &[("radar.window.samples", "512")])?;
-/// let mut pulses = scenario.released(0..4, Pace::Fast)?;
+/// let mut pulses = scenario.released(0..1000, Pace::Fast)?;
 /// assert_eq!(pulses.next().transpose()?.map(|pulse| pulse.index), Some(0));
+/// // Pulses wait for whoever takes them, so the run has not ended.
 /// assert!(pulses.close()?.is_some_and(|summary| summary.stopped));
 /// # Ok::<(), nereus::ScenarioError>(())
 /// ```
