@@ -32,6 +32,7 @@ use rayon::prelude::*;
 
 use crate::config::Run;
 use crate::echo::{Asked, Fidelity};
+use crate::fidelity::budget::Plan;
 use crate::fidelity::probe::spread_over;
 use crate::pipeline::changing;
 use crate::pipeline::fault::BuildErrors;
@@ -177,8 +178,16 @@ impl Judge {
     /// # Errors
     /// A run that cannot be built, or a pulse that cannot be made.
     pub fn judge(&self, run: &Run) -> Result<Accuracy, BuildErrors> {
+        self.judge_with_plan(run).map(|(accuracy, _)| accuracy)
+    }
+
+    /// The same, and what was planned for the fast echo.
+    ///
+    /// # Errors
+    /// As [`Self::judge`].
+    pub fn judge_with_plan(&self, run: &Run) -> Result<(Accuracy, Option<Plan>), BuildErrors> {
         let factory = factory_for(run, &run.fidelity)?;
-        Ok(self.accuracy(&self.make(&factory)?))
+        Ok((self.accuracy(&self.make(&factory)?), factory.plan().copied()))
     }
 
     /// The pulses as a factory without noise and converter makes them.

@@ -67,7 +67,7 @@ fn what_is_asked_for_meanwhile_is_what_the_same_events_make() {
         let settings = [("fidelity.echo", echo), ("stream.threads", "2"), duration, size];
         let run = scenario(name, &settings);
         let (whole, taken) = controlled(&run, end, platform, asked);
-        assert_eq!((whole.len() as u64, taken[0].pulse > 0), (end, asked[0].0 > 0));
+        assert_eq!(whole.len() as u64, end);
         let from_pulse: Vec<u64> = taken.iter().map(|event| event.pulse).collect();
         let again = Run { events: taken.clone(), ..run.clone() };
         assert!(

@@ -8,7 +8,7 @@ const SEA: &str = "configs/sea.toml";
 /// Waves alone, far above the noise.
 const ON: [(&str, &str); 5] = [
     ("sea.waves", "choppy"),
-    ("scene.patch_size_m", "[64, 64]"),
+    ("scene.patch_size_m", "[48, 48]"),
     ("scene.facet_m", "2"),
     ("transmitter.0.power_w", "1e9"),
     ("target.0.rcs_m2", "1e-9"),

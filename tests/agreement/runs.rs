@@ -25,7 +25,7 @@ pub fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
 /// The begin of a run over a sea, where there are to be fewer cases.
 pub fn shortened(mut run: Run) -> Run {
     if run.scene.sea.is_some() {
-        run.scene.pulses = run.scene.pulses.min(sized(u64::MAX, 40));
+        run.scene.pulses = run.scene.pulses.min(sized(u64::MAX, 28));
     }
     run
 }
@@ -33,6 +33,12 @@ pub fn shortened(mut run: Run) -> Run {
 /// The plan of a run.
 pub fn plan(run: &Run) -> Plan {
     *build::stream(run, 0..run.scene.pulses).unwrap().factory().plan().unwrap()
+}
+
+/// The error of a run's fast echo, dB, and the plan that predicts it.
+pub fn measured(judge: &Judge, run: &Run) -> (f64, Plan) {
+    let (accuracy, plan) = judge.judge_with_plan(run).unwrap();
+    (accuracy.rel_rms_db, plan.unwrap())
 }
 
 /// Every pulse that a stream releases.
@@ -54,9 +60,9 @@ pub fn pulses(path: &str, settings: &[(&str, &str)], threads: &str, range: Range
 /// pulses.
 pub fn keeps_the_error(what: &str, run: &Run) {
     let run = &shortened(run.clone());
-    let plan = plan(run);
     let judge = Judge::new(run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
-    let (measured_db, predicted_db) = (judge.judge(run).unwrap().rel_rms_db, plan.prediction.total_db());
+    let (measured_db, plan) = measured(&judge, run);
+    let predicted_db = plan.prediction.total_db();
     let asked_db = plan.asked.error_db;
     println!("{what}: asked {asked_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB");
     assert!(plan.keeps(), "{what}: {predicted_db}");
@@ -74,10 +80,8 @@ pub fn holds(path: &str, settings: &[(&str, &str)], asked: &[f64]) -> Vec<[f64; 
     let run = with(-60.0);
     let judge = Judge::new(&run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
     let found = some_of(asked).map(|&error_db| {
-        let run = with(error_db);
-        let plan = plan(&run);
+        let (measured_db, plan) = measured(&judge, &with(error_db));
         let predicted_db = plan.prediction.total_db();
-        let measured_db = judge.judge(&run).unwrap().rel_rms_db;
         println!(
             "{path}: asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {:?}",
             plan.prediction

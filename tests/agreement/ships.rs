@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::cases::some_of;
 use crate::runs::{holds, pulses};
 
 const MARS: &str = "configs/mars-1.toml";
@@ -60,7 +61,7 @@ fn every_hull_echoes() {
         .collect();
     hulls.sort();
     assert!(hulls.len() >= 8, "{hulls:?}");
-    for hull in hulls {
+    for hull in some_of(hulls) {
         let hull = format!("\"{}\"", hull.display());
         let of = |echo: &str| {
             let ship = [

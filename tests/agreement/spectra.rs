@@ -5,9 +5,9 @@ use std::path::Path;
 
 use nereus::bench::accuracy::Judge;
 use nereus::config;
-use nereus::pipeline::build;
 
 use crate::cases::some_of;
+use crate::runs::measured;
 
 /// All pulses of a small patch keep what the plan predicts.
 fn keeps(name: &str, settings: &[(&str, &str)]) {
@@ -17,9 +17,9 @@ fn keeps(name: &str, settings: &[(&str, &str)]) {
         small.iter().chain(settings).map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
     let mut run = config::load(&path, &settings).unwrap();
     run.sinks.clear();
-    let plan = *build::stream(&run, 0..run.scene.pulses).unwrap().factory().plan().unwrap();
     let judge = Judge::new(&run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
-    let (predicted_db, measured_db) = (plan.prediction.total_db(), judge.judge(&run).unwrap().rel_rms_db);
+    let (measured_db, plan) = measured(&judge, &run);
+    let predicted_db = plan.prediction.total_db();
     println!("{name}: predicted {predicted_db:.1}, measured {measured_db:.1} dB; {plan:?}");
     assert!(plan.keeps(), "{name}: {predicted_db}");
     assert!(measured_db <= predicted_db, "{name}: {predicted_db} {measured_db}");

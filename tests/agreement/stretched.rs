@@ -5,13 +5,12 @@ use nereus::echo::synth::doppler::Envelope;
 use nereus::fidelity::budget::Plan;
 
 use crate::cases::some_of;
-use crate::runs::{plan, scene};
+use crate::runs::{measured, plan, scene};
 
 /// Measures some pulses against the reference; the plan that made them.
 fn keeps(path: &str, error_db: &str, pulses: Vec<u64>) -> Plan {
     let run = scene(path, &[("fidelity.error_db", error_db)]);
-    let plan = plan(&run);
-    let measured_db = Judge::new(&run, pulses, 2, |_| ()).unwrap().judge(&run).unwrap().rel_rms_db;
+    let (measured_db, plan) = measured(&Judge::new(&run, pulses, 2, |_| ()).unwrap(), &run);
     let predicted_db = plan.prediction.total_db();
     println!("{path}: asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB; {plan:?}");
     assert!(plan.keeps(), "{path} {error_db}: {predicted_db}");

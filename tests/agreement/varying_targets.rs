@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use crate::cases::sized;
 use crate::runs::{holds, pulses};
 
 const COASTAL: &str = "configs/coastal.toml";
@@ -67,7 +68,7 @@ fn targets_that_depend_on_the_aspect_keep_the_error() {
 fn a_target_that_floats_keeps_the_error() {
     let target = "[{ position_m = [0, 10, 2], velocity_mps = [0, 8, 0], rcs_dbsm = 50, floating = true, waterline_m = 2 }]";
     let settings = [
-        ("scene.patch_size_m", "[64, 64]"),
+        ("scene.patch_size_m", sized("[64, 64]", "[32, 32]")),
         ("scene.duration_s", "0.25"),
         ("platform.0.track.position_m", "[-33, -3000, 3000]"),
         ("target", target),
@@ -80,7 +81,7 @@ fn a_target_over_a_sea_that_reflects_keeps_the_error() {
     // A mast of 15 m and an aircraft; the sea is rough for the aircraft's rays alone.
     let target = "[{ position_m = [0, 10, 3], velocity_mps = [0, 8, 0], rcs_dbsm = 40, floating = true, waterline_m = 2, multipath = true, swerling = 2 }]";
     let settings = [
-        ("scene.patch_size_m", "[64, 64]"),
+        ("scene.patch_size_m", sized("[64, 64]", "[32, 32]")),
         ("scene.duration_s", "0.3"),
         ("platform.1.track.position_m", "[-33, -3000, 3000]"),
         ("target", target),

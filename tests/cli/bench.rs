@@ -94,7 +94,7 @@ fn memory_is_that_predicted() {
         (small, &ship[..]),
     ] {
         let patch = ["bench", &config, "--set", patch];
-        let short = ["--pulses", sized("100", "50"), "--error-pulses", "0", "--threads", "2", "--json"];
+        let short = ["--pulses", sized("100", "20"), "--error-pulses", "0", "--threads", "2", "--json"];
         let arguments = [&patch[..], &short[..], more].concat();
         let report = json(&nereus(folder.path(), &arguments));
         let (found, predicted) = (number(&report, "peak_rss_mib"), number(&report, "predicted_rss_mib"));
@@ -195,7 +195,8 @@ fn watched(folder: &Path, arguments: &[&str]) -> (Ended, BTreeSet<usize>) {
 #[test]
 fn tradeoff_sweeps_the_settings_and_writes_table_and_picture() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = ["--set", "scene.patch_size_m=[16, 16]", "--set", "scene.duration_s=0.25", "--threads", "2"];
+    let duration = sized("scene.duration_s=0.25", "scene.duration_s=0.12");
+    let scene = ["--set", "scene.patch_size_m=[16, 16]", "--set", duration, "--threads", "2"];
     let sweep = ["--error-pulses", "4", "--trial-ms", "50", "--out", "swept", "--json"];
     let sea = sea();
     let arguments = [&["tradeoff", sea.as_str()], &scene[..], &sweep].concat();

@@ -406,7 +406,7 @@ fn every_call_that_fails_is_reported_and_leaves_whole_pulses() {
                     report["sinks"][0]["written"]
                 ));
             }
-            at += if all || at < 4 { 1 } else { 1 + at / sized(5, 2) };
+            at += if all || at < 4 { 1 } else { 1 + at / sized(5, 1) };
         }
         println!("{name}, stays {stays}: {runs} runs, {failed} failed with an error; {} calls", at - 1);
         assert!(runs > 5, "{name}: the library was not loaded");

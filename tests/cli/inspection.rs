@@ -19,12 +19,15 @@ fn every_scenario_of_the_repository_checks() {
         // A whole patch takes its time in the forecast; a corner of it is looked at here.
         let text = fs::read_to_string(&path).unwrap();
         if text.contains("patch_size_m = [512.0, 512.0]") {
-            arguments.extend(["--set", "scene.patch_size_m=[32, 32]"]);
+            arguments.extend(["--set", sized("scene.patch_size_m=[32, 32]", "scene.patch_size_m=[16, 16]")]);
         } else if text.contains("facet_m = 0.492") {
             arguments.extend(["--set", "scene.patch_size_m=[31.488, 31.488]"]);
         } else if text.contains("patch_size_m = [128.0, 128.0]") {
             arguments
-                .extend(["--set", sized("scene.patch_size_m=[128, 128]", "scene.patch_size_m=[32, 32]")]);
+                .extend(["--set", sized("scene.patch_size_m=[128, 128]", "scene.patch_size_m=[16, 16]")]);
+        }
+        if text.contains("patch_size_m = [224.0, 120.0]") {
+            arguments.extend(sized(&[][..], &["--set", "scene.patch_size_m=[32, 32]"]));
         }
         let ended = nereus(elsewhere.path(), &arguments);
         assert_eq!(ended.code, 0, "{}: {}", path.display(), ended.stderr);

@@ -153,6 +153,7 @@ fn what_does_not_fit_gives_a_warning_and_no_error() {
             "sea.wind_mps=2",
             "scene.patch_size_m=[16, 16]",
             "scene.facet_m=0.5",
+            "fidelity.echo=reference",
         ];
         all.extend(settings);
         let warnings = check("configs/sea.toml", &all).1;
@@ -249,8 +250,9 @@ fn waves_beyond_a_measured_spectrum_are_stated() {
     let sea = package().join("configs/sea.toml").display().to_string();
     let path = format!("sea.spectrum_path={}", folder.path().join("buoy.csv").display());
     let with = |more: &[&str]| {
-        let small = ["check", &sea, "--set", "scene.patch_size_m=[16, 16]", "--set", "sea.spectrum=measured"];
-        let ended = nereus(package(), &[&small[..], &["--set", &path], more].concat());
+        let small = ["check", &sea, "--set", "scene.patch_size_m=[8, 8]", "--set", "sea.spectrum=measured"];
+        let own = ["--set", &path, "--set", "fidelity.echo=reference"];
+        let ended = nereus(package(), &[&small[..], &own, more].concat());
         assert_eq!(ended.code, 0, "{}", ended.stderr);
         ended.stdout
     };

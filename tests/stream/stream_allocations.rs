@@ -180,7 +180,7 @@ fn counted_effects() {
         [&effects[..], &own].concat()
     };
     let sea = [
-        ("scene.patch_size_m", "[24, 24]"),
+        ("scene.patch_size_m", sized("[24, 24]", "[16, 16]")),
         ("radar.window.samples", "48"),
         ("radar.window.start_us", "28.05"),
     ];
@@ -194,7 +194,7 @@ fn counted_effects() {
     counted_scenario("sea.toml", &with(&[&sea[..], &along, &afloat, dry].concat()), pulses, || true);
     counted_scenario(
         "sea.toml",
-        &with(&[&sea[..], &[("fidelity.echo", "'reference'")]].concat()),
+        &with(&[&sea[..], &[("fidelity.echo", "'reference'")], dry].concat()),
         pulses,
         || true,
     );

@@ -3,6 +3,7 @@ use num_complex::Complex64;
 
 use super::*;
 use crate::geometry::bistatic::Basis;
+use crate::rng::cases::{sized, some_of};
 use crate::scattering::facets::Facets;
 use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
 use crate::scene::sea::{
@@ -148,7 +149,7 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
 #[test]
 fn as_in_f64() {
     let scattering = || FacetScattering { modulation: Modulation::Off, ..FacetScattering::default() };
-    for (name, carrier_hz, kind, angles) in [
+    for (geometry, (name, carrier_hz, kind, angles)) in [
         ("X, 45 deg", 10e9, 0, [0.785, 0.785]),
         ("X, slick", 10e9, 1, [0.785, 0.785]),
         ("X, grazing and 45 deg", 10e9, 0, [1.565, 0.785]),
@@ -156,8 +157,11 @@ fn as_in_f64() {
         ("X, near nadir", 10e9, 0, [0.05, 0.1]),
         ("L, 30 deg", 1.3e9, 0, [0.5, 0.5]),
         ("Ka, 60 deg", 35e9, 1, [1.05, 0.9]),
-    ] {
-        for (choice, set) in [
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        for (n, (choice, set)) in [
             ("polcoherent", FacetScattering { ..scattering() }),
             ("single", FacetScattering { phases: Phases::Single, ..scattering() }),
             ("tilts", FacetScattering { tilt_average: true, ..scattering() }),
@@ -175,7 +179,14 @@ fn as_in_f64() {
                 },
             ),
             ("mars2007", FacetScattering { splitting: Splitting::Mars2007, ..scattering() }),
-        ] {
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            // Every geometry and every choice, where there are to be fewer cases.
+            if sized(false, (geometry + n) % 4 != 0) {
+                continue;
+            }
             let db = error(set, carrier_hz, kind, angles);
             println!("{name}, {choice}: {db:.1} dB");
             assert!(db < -80.0, "{name}, {choice}: {db:.1} dB");
@@ -222,7 +233,7 @@ fn densities_are_those_of_the_spectrum() {
         ("narrow swell", elfouhaily(), swell(0.06, peaked), Some(false)),
         ("far swell", elfouhaily(), swell(0.06, SwellShape::Gaussian { relative_width: 0.03 }), Some(true)),
     ] {
-        for (band, carrier_hz) in [("L", 1.3e9), ("X", 10e9), ("Ka", 35e9)] {
+        for (band, carrier_hz) in some_of([("X", 10e9), ("L", 1.3e9), ("Ka", 35e9)]) {
             let water = water_of(kind.clone(), swell.clone(), FacetScattering::default(), carrier_hz);
             let (lanes, density) = (water.lanes(), water.bragg_density());
             let (mut seed, mut worst, mut count) = (3, 0.0f64, 0);
