@@ -225,18 +225,20 @@ impl Search<'_> {
         let transmitters = self.of.radar.transmitters.len();
         self.of.plans.iter().any(|plan| {
             let ends = [plan.pair.transmitter, transmitters + plan.pair.receiver];
-            let ways = ends.map(|end| place - emission.centres[end].position.raw());
-            let lengths_m = ways.map(DVec3::length);
+            let way = |end: usize| place - emission.centres[end].position.raw();
+            let ways = [way(ends[0]), way(ends[1])];
+            let lengths_m = [ways[0].length(), ways[1].length()];
             let delay_s = (lengths_m[0] + lengths_m[1]) / SPEED_OF_LIGHT_MPS;
             let slack_s = 2.0 * radius_m / SPEED_OF_LIGHT_MPS;
             let begin_s = offset_s + delay_s;
             let touches = begin_s - slack_s <= window.close_s + window.guard_s
                 && begin_s + slack_s + window.pulse_s >= window.open_s - window.guard_s;
             touches
-                && ends.iter().zip(ways).zip(lengths_m).all(|((end, way), length_m)| {
-                    let axes = emission.axes_after(*end, delay_s, axes_span_s);
+                && (0..2).all(|at| {
+                    let axes = emission.axes_after(ends[at], delay_s, axes_span_s);
+                    let length_m = lengths_m[at];
                     let slack_rad = if length_m > radius_m { (radius_m / length_m).asin() } else { PI };
-                    self.plan.lobes[*end].holds(axes.transpose() * way, slack_rad)
+                    self.plan.lobes[ends[at]].holds(axes.transpose() * ways[at], slack_rad)
                 })
         })
     }

@@ -83,7 +83,8 @@ impl PortBasis {
                 let s = self.axes.x_axis + d;
                 let s = if s.length_squared() > BACKWARD { s } else { self.axes.z_axis };
                 let scale = 2.0 / s.length_squared();
-                [self.axes.y_axis, self.axes.z_axis].map(|a| a - s * (scale * a.dot(s)))
+                let turned = |a: DVec3| a - s * (scale * a.dot(s));
+                [turned(self.axes.y_axis), turned(self.axes.z_axis)]
             }
         }
     }
@@ -101,7 +102,7 @@ pub fn port_shares(port: Polarisation, cross_pol_isolation_db: Option<f64>) -> [
         Polarisation::L => circular(1.0 + leak, 1.0 - leak),
     };
     let length = (1.0 + leak * leak).sqrt();
-    shares.map(|share| share / length)
+    [shares[0] / length, shares[1] / length]
 }
 
 /// Components `(v, h)` in the basis of a propagation direction of the field of a port towards a unit
@@ -116,7 +117,8 @@ pub fn field(
 ) -> [Complex64; 2] {
     let [c_h, c_v] = port_shares(port, cross_pol_isolation_db);
     let [e_h, e_v] = antenna.vectors(d);
-    [basis.v, basis.h].map(|p| c_h * p.dot(e_h) + c_v * p.dot(e_v))
+    let along = |p: DVec3| c_h * p.dot(e_h) + c_v * p.dot(e_v);
+    [along(basis.v), along(basis.h)]
 }
 
 #[cfg(test)]

@@ -43,6 +43,7 @@
 //! assert!(a[0][0].norm() > a[1][1].norm()); // VV above HH
 //! ```
 
+use glam::DVec3;
 use num_complex::Complex64;
 
 use super::fresnel::{quotient, refracted};
@@ -95,16 +96,15 @@ pub fn amplitude(
     let scattered_bend = tangential * bend_s;
     let normal = incident_bend * bend_s * along_i.dot(along_s) + scale * eps * tm_i * tm_s - tangential;
 
-    let incident = [path.incident.v, path.incident.h].map(|e| (e, e.dot(n), e.dot(along_s)));
-    let scattered = [path.scattered.v, path.scattered.h].map(|e| (e, e.dot(n), e.dot(along_i)));
-    scattered.map(|(p, p_normal, p_along)| {
-        incident.map(|(q, q_normal, q_along)| {
-            tangential * p.dot(q)
-                + incident_bend * (p_along * q_normal)
-                + scattered_bend * (q_along * p_normal)
-                + normal * (p_normal * q_normal)
-        })
-    })
+    let entry = |p: DVec3, q: DVec3| {
+        let (p_normal, q_normal) = (p.dot(n), q.dot(n));
+        tangential * p.dot(q)
+            + incident_bend * (p.dot(along_i) * q_normal)
+            + scattered_bend * (q.dot(along_s) * p_normal)
+            + normal * (p_normal * q_normal)
+    };
+    let row = |p: DVec3| [entry(p, path.incident.v), entry(p, path.incident.h)];
+    [row(path.scattered.v), row(path.scattered.h)]
 }
 
 /// `4 sqrt(pi)`.

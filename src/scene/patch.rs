@@ -168,6 +168,6 @@ impl Patch {
 
     /// Centre of the facet with a global key, m.
     pub fn centre_m(&self, key: [i64; 2]) -> [f64; 2] {
-        key.map(|i| i as f64 * self.facet_m)
+        [key[0] as f64 * self.facet_m, key[1] as f64 * self.facet_m]
     }
 }

@@ -171,11 +171,12 @@ impl BraggLines {
         });
         let [cos, sin] = self.downwind;
         let roots = self.share.roots([cos * q.x + sin * q.y, cos * q.y - sin * q.x], magnitude);
-        [(roots[0], omega_radps), (roots[1], -omega_radps)].map(|(amplitude, omega_radps)| Line {
+        let line = |amplitude: f64, omega_radps: f64| Line {
             amplitude,
             centre_radps: omega_radps + carried_radps,
             deviation_radps,
-        })
+        };
+        [line(roots[0], omega_radps), line(roots[1], -omega_radps)]
     }
 
     /// Random number of the facet with a global key.
@@ -188,10 +189,12 @@ impl BraggLines {
     /// for unit directions from the transmitter and to the receiver.
     pub fn phasors(&self, key: [i64; 2], (incident, scattered): (DVec3, DVec3), t_s: f64) -> [Complex64; 2] {
         let facet = self.number_of(key);
-        [Mechanism::Specular, Mechanism::Bragg].map(|mechanism| {
-            let lines = self.lines(mechanism, incident, scattered).into_iter().zip(mechanism.number()..);
-            lines.map(|(line, number)| self.comb.phasor(facet, number, line, t_s)).sum()
-        })
+        let phasor = |mechanism: Mechanism| {
+            let [first, second] = self.lines(mechanism, incident, scattered);
+            let of = |line, number| self.comb.phasor(facet, number, line, t_s);
+            of(first, mechanism.number()) + of(second, mechanism.number() + 1)
+        };
+        [phasor(Mechanism::Specular), phasor(Mechanism::Bragg)]
     }
 }
 
