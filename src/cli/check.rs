@@ -151,7 +151,6 @@ fn report(run: &Run, found: &Found) -> Report {
     let platforms = scenario::platforms(run);
     report.section("platforms", &platforms).value("platforms", &platforms);
     report.section("modelled", &models.with).value("modelled", &models.with);
-    report.section("not modelled", &models.without).value("not_modelled", &models.without);
     report.section("sea", &sea.as_ref().map(sea::rows).unwrap_or_default()).value("sea", sea);
     report.section("ships", &sea.as_ref().map(|sea| ships::rows(&sea.ships)).unwrap_or_default());
     report.section("recorded tracks", tracks).value("tracks", tracks);
@@ -160,6 +159,7 @@ fn report(run: &Run, found: &Found) -> Report {
     if let Some(forecast) = forecast {
         add_forecast(&mut report, forecast);
     }
+    report.section("not modelled", &models.without).value("not_modelled", &models.without);
     report.value("forecast", forecast).value("warnings", warnings);
     report
 }

@@ -149,7 +149,7 @@ fn show(found: &Reception) -> Report {
     report.row(
         "sender",
         format!(
-            "{} with implausible time stamps, {} with implausible pulse numbers, {} of other senders; began again {}",
+            "{} with implausible time stamps, {} with implausible pulse numbers, {} of other senders; restarted {}",
             counted(found.implausible, "packet"),
             counted(found.misnumbered, "state"),
             counted(found.strangers, "datagram"),
@@ -179,13 +179,25 @@ fn show(found: &Reception) -> Report {
 fn lateness(found: &Reception) -> String {
     match &found.lateness {
         Some(late) => format!(
-            "p50 {:.0} us, p99 {:.0} us, max {:.0} us above the earliest pulse; that one came {:.6} s after its emission \
-             by this clock",
-            late.p50_us, late.p99_us, late.max_us, late.least_offset_s
+            "p50 {:.0} us, p99 {:.0} us, max {:.0} us above the earliest pulse; {}",
+            late.p50_us,
+            late.p99_us,
+            late.max_us,
+            earliest(late.least_offset_s)
         ),
         None if found.datagrams == 0 => "not reported: nothing was received".to_owned(),
         None if found.pulses < 2 => "not reported: fewer than two whole pulses were received".to_owned(),
         None => "not reported: the stream was not sent in real time".to_owned(),
+    }
+}
+
+/// When the earliest pulse came. Where that is an hour off, the scenario has another date than this clock.
+fn earliest(offset_s: f64) -> String {
+    if offset_s.abs() < 3600.0 {
+        format!("that one came {offset_s:.6} s after its emission by this clock")
+    } else {
+        let apart_d = offset_s.abs() / 86_400.0;
+        format!("the scenario's date is {apart_d:.1} days from this clock, so latency itself is unknown")
     }
 }
 

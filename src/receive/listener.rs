@@ -277,14 +277,14 @@ impl Listener {
         }
     }
 
-    /// Reports that the sender began again; not for ever.
+    /// Reports that the sender restarted; not for ever.
     fn say_restarted(&self, times: u64) {
         let Some(notice) = self.senders.notice.filter(|_| times <= NOTICES) else { return };
         let what =
             if self.senders.restart { "it is followed" } else { "not followed (--restart follows it)" };
         notice(&format!("the sender began another run, or the same one again: {what}"));
         if times == NOTICES {
-            notice(&format!("it began again {NOTICES} times; from now on that is only counted"));
+            notice(&format!("the sender has restarted {NOTICES} times; further restarts are only counted"));
         }
     }
 }

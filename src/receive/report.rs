@@ -56,7 +56,7 @@ pub struct Report {
     pub misnumbered: u64,
     /// Datagrams of senders that are not listened to (`--from`).
     pub strangers: u64,
-    /// Times that the sender began again: another run was described, or the time stamps went back.
+    /// Times that the sender restarted: another run was described, or the time stamps went back.
     pub restarts: u64,
     /// Pulses with a number not above that of the one before.
     pub backwards: u64,
