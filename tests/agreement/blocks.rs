@@ -152,8 +152,9 @@ fn isotropic_antennas_keep_the_error() {
 #[test]
 fn sidelobe_tiles_leave_what_their_gain_allows() {
     let range = sized(236..285, 248..254);
-    // 512 m, so that the beam of 42 m leaves most to its side lobes.
-    let wide = [("scene.facet_m", "4.0"), ("stream.threads", "2")];
+    // So large that the beam of 42 m leaves most to its side lobes.
+    let size = ("scene.patch_size_m", sized("[512, 512]", "[320, 320]"));
+    let wide = [size, ("scene.facet_m", "4.0"), ("stream.threads", "2")];
     let of =
         |more: &[(&str, &str)]| samples(&scenario("mars-1.toml", &[&wide[..], more].concat()), range.clone());
     let exact = of(&[("fidelity.echo", "reference")]);

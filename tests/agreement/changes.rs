@@ -2,6 +2,8 @@
 //! threads, and in both echoes.
 
 use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::Duration;
 
@@ -48,7 +50,15 @@ fn controlled(run: &Run, end: u64, platform: usize, asked: &[(u64, &str)]) -> (V
         };
         asked.into_iter().map(ask).collect()
     });
-    let pulses = kept(stream);
+    let mut pulses = Vec::new();
+    let taken = |pulse: &Pulse| {
+        // Holds up the run, so that it does not end before it is asked.
+        if !asks.is_finished() {
+            thread::sleep(Duration::from_millis(1));
+        }
+        pulses.push(pulse.clone());
+    };
+    stream.tap(&Arc::new(AtomicBool::new(false)), taken).unwrap().result.unwrap();
     (pulses, asks.join().unwrap())
 }
 

@@ -11,6 +11,8 @@ use nereus::pipeline::build;
 use nereus::pulse::Samples;
 use nereus::transport::Pace;
 
+use crate::cases::sized;
+
 fn sea(settings: &[(&str, &str)]) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/sea.toml");
     let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
@@ -41,7 +43,7 @@ fn streamed(run: &Run, pulses: &[u64]) -> Vec<Vec<[f64; 2]>> {
 fn the_measured_error_is_that_of_the_stream() {
     // With noise and a converter, which the figure must not see.
     let run = sea(&[
-        ("scene.patch_size_m", "[24, 24]"),
+        ("scene.patch_size_m", sized("[24, 24]", "[16, 16]")),
         ("fidelity.error_db", "-40.0"),
         ("radar.noise_figure_db", "30"),
         ("radar.adc", "{ bits = 4, full_scale_dbw = -180.0 }"),

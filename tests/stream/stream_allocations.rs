@@ -189,7 +189,8 @@ fn counted_effects() {
         ("scene.patch_follow", "{ kind = 'beside', platform = 'aircraft', across_m = 3000.0 }"),
     ];
     let (pulses, dry) = (made(), sized(&[][..], &DRY));
-    counted_scenario("sea.toml", &with(&sea), pulses, || true);
+    let low = sized(&[][..], &[("radar.rain_top_m", "300")]);
+    counted_scenario("sea.toml", &with(&[&sea[..], low].concat()), pulses, || true);
     let afloat = [("sea.waves", "'linear'"), ("target.0.floating", "true")];
     counted_scenario("sea.toml", &with(&[&sea[..], &along, &afloat, dry].concat()), pulses, || true);
     counted_scenario(
@@ -298,7 +299,8 @@ fn counted_scenario(name: &str, settings: &[(String, String)], pulses: u64, read
     use nereus::sinks::Kind::{Vita49, Zmq};
     run.sinks.retain(|sink| matches!(sink.kind, Vita49(_) | Zmq(_)));
     run.stream.threads = 2;
-    run.stream.policy = Policy::Drop;
+    // A machine that is busy with other tests may be late, but has to make pulses.
+    run.stream.policy = Policy::Slip;
     run.scene.pulses = pulses;
     let before_all = threads();
     // Both workers make blocks before it is counted, and meanwhile.
