@@ -21,7 +21,7 @@ from nereus import distributed
 CONFIGS = Path(__file__).parents[2] / "configs"
 # How long a silent worker is waited for: long enough for one beside others on two cores.
 TIMEOUT_S = 20 if os.environ.get("NEREUS_ALL") else 10
-# Of whom two are lost.
+# Workers of the cluster that loses two.
 MANY = 8 if os.environ.get("NEREUS_ALL") else 4
 EVENTS = [
     {"at_s": 0.25, "platform": "aircraft", "change": "step position.up 5 m"},

@@ -194,11 +194,11 @@ fn lateness(found: &Reception) -> String {
 /// When the earliest pulse came. Where that is an hour off, the scenario has another date than this clock.
 fn earliest(offset_s: f64) -> String {
     if offset_s.abs() < 3600.0 {
-        format!("that one came {offset_s:.6} s after its emission by this clock")
-    } else {
-        let apart_d = offset_s.abs() / 86_400.0;
-        format!("the scenario's date is {apart_d:.1} days from this clock, so latency itself is unknown")
+        return format!("that one came {offset_s:.6} s after its emission by this clock");
     }
+    let side = if offset_s > 0.0 { "before" } else { "after" };
+    let apart_d = offset_s.abs() / 86_400.0;
+    format!("emission times are {apart_d:.1} days {side} this machine's clock, so latency cannot be measured")
 }
 
 fn add_platforms(report: &mut Report, found: &Reception) {
@@ -220,5 +220,18 @@ fn add_platforms(report: &mut Report, found: &Reception) {
         {
             report.row("", format!("ECEF {x:.3}, {y:.3}, {z:.3} m"));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::earliest;
+
+    #[test]
+    fn dates_of_scenarios_are_told_from_latencies() {
+        assert_eq!(earliest(0.012_345_6), "that one came 0.012346 s after its emission by this clock");
+        let years = earliest(208_590_567.0);
+        assert!(years.starts_with("emission times are 2414.2 days before this machine's clock"), "{years}");
+        assert!(earliest(-86_400.0).starts_with("emission times are 1.0 days after"));
     }
 }

@@ -197,7 +197,7 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
     };
     let made = match health.made {
         0 => "none was computed".to_owned(),
-        _ => format!("computed at {:.1} x real time", summary.real_time_factor),
+        _ => format!("computed at {:.1} times real time", summary.real_time_factor),
     };
     let (pulses, elapsed_s) = (counted(health.pulses, "pulse"), summary.elapsed_s);
     let (late, dropped) = (health.late, health.dropped);

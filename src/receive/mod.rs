@@ -124,7 +124,7 @@ impl Receiver {
         self.runs_before
     }
 
-    /// Times that the sender was seen to begin again.
+    /// Times that the sender was seen to restart.
     pub fn restarts(&self) -> u64 {
         self.report.restarts
     }

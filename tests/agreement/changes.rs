@@ -52,8 +52,8 @@ fn controlled(run: &Run, end: u64, platform: usize, asked: &[(u64, &str)]) -> (V
     });
     let mut pulses = Vec::new();
     let taken = |pulse: &Pulse| {
-        // Holds up the run, so that it does not end before it is asked.
-        if !asks.is_finished() {
+        // So many have been made that nothing is waited for: the run does not end before it is asked.
+        while pulse.index >= 100 && !asks.is_finished() {
             thread::sleep(Duration::from_millis(1));
         }
         pulses.push(pulse.clone());

@@ -12,6 +12,7 @@ use nereus::pulse::Samples;
 use nereus::transport::Pace;
 
 use crate::cases::sized;
+use crate::runs::plan;
 
 fn sea(settings: &[(&str, &str)]) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/sea.toml");
@@ -49,7 +50,9 @@ fn the_measured_error_is_that_of_the_stream() {
         ("radar.adc", "{ bits = 4, full_scale_dbw = -180.0 }"),
     ]);
     let pulses = sample(run.scene.seed, run.scene.pulses, 13, 16);
-    let measured = Judge::new(&run, pulses.clone(), 2, |_| ()).unwrap().judge(&run).unwrap();
+    let judge = Judge::new(&run, pulses.clone(), 2, |_| ()).unwrap();
+    let (measured, judged) = judge.judge_with_plan(&run).unwrap();
+    assert_eq!(judged.unwrap(), plan(&run), "noise and converter change the plan");
     let fast = streamed(&run, &pulses);
     let all: Vec<u64> = (0..run.scene.pulses).collect();
     let whole = streamed(&Run { fidelity: Fidelity::Reference, ..run }, &all);

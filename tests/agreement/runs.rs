@@ -25,7 +25,7 @@ pub fn scene(path: &str, settings: &[(&str, &str)]) -> Run {
 /// The begin of a run over a sea, where there are to be fewer cases.
 pub fn shortened(mut run: Run) -> Run {
     if run.scene.sea.is_some() {
-        run.scene.pulses = run.scene.pulses.min(sized(u64::MAX, 28));
+        run.scene.pulses = run.scene.pulses.min(sized(u64::MAX, 40));
     }
     run
 }

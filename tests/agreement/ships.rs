@@ -51,7 +51,7 @@ fn a_part_of_a_run_with_a_ship_is_bit_identical() {
     assert!(pulses(MARS, &SHIP[..3], "2", 0..40) != whole, "the ship does not echo");
 }
 
-/// Every hull of the package runs and echoes by its mesh.
+/// Every hull of the package runs and echoes by its mesh; with few cases the first of them.
 #[test]
 fn every_hull_echoes() {
     let mut hulls: Vec<_> = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("hulls"))

@@ -26,8 +26,7 @@ fn every_scenario_of_the_repository_checks() {
             arguments
                 .extend(["--set", sized("scene.patch_size_m=[128, 128]", "scene.patch_size_m=[16, 16]")]);
         }
-        if text.contains("patch_size_m = [224.0, 120.0]") || text.contains("patch_size_m = [1024.0, 1024.0]")
-        {
+        if text.contains("patch_size_m = [1024.0, 1024.0]") {
             arguments.extend(sized(&[][..], &["--set", "scene.patch_size_m=[64, 64]"]));
         }
         let ended = nereus(elsewhere.path(), &arguments);

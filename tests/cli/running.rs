@@ -104,7 +104,7 @@ fn short_of_latency(policy: &str, more: &[&str]) -> Ended {
     let folder = tempfile::tempdir().unwrap();
     let sea = package().join("configs/sea.toml").display().to_string();
     let policy = format!("stream.policy={policy}");
-    let scene = ["run", &sea, "--set", "scene.patch_size_m=[64, 64]", "--set", &policy, "--json"];
+    let scene = ["run", &sea, "--set", "scene.patch_size_m=[128, 128]", "--set", &policy, "--json"];
     let rate = ["--set", "radar.prf_hz=5000", "--pace", "realtime", "--set", "stream.threads=2"];
     let short = ["--set", "fidelity.node_pulses=12"];
     let sink = ["--set", "sink.0.kind=plain", "--out", "x.plain", "--set", "stream.latency_ms=1"];
@@ -351,7 +351,7 @@ fn tables_are_csv() {
 
 #[test]
 fn the_library_example_runs() {
-    // Examples are built beside the tests.
+    // Examples are built with all tests, and by tools/test before them.
     let binary = Path::new(env!("CARGO_BIN_EXE_nereus")).with_file_name("examples").join("scene_in_rust");
     if !binary.exists() {
         println!("skipped: {} was not built with these tests", binary.display());

@@ -248,7 +248,8 @@ def make(nereus, folder):
 def main():
     """Runs the cases and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=int(os.environ.get("NEREUS_HOSTILE_RUNS") or max(1, round(120 * float(os.environ.get("NEREUS_CASES", "1"))))))
+    runs = max(1, round(120 * float(os.environ.get("NEREUS_CASES", "1"))))
+    parser.add_argument("--runs", type=int, default=int(os.environ.get("NEREUS_HOSTILE_RUNS", runs)))
     parser.add_argument("--seed", type=int, default=19)
     parser.add_argument("--only", type=int, help="this run alone, and its output")
     parser.add_argument("--keep", help="folder for the files of runs that failed")

@@ -195,7 +195,7 @@ fn counted_effects() {
     counted_scenario("sea.toml", &with(&[&sea[..], &along, &afloat, dry].concat()), pulses, || true);
     counted_scenario(
         "sea.toml",
-        &with(&[&sea[..], &[("fidelity.echo", "'reference'")], dry].concat()),
+        &with(&[&sea[..], &[("fidelity.echo", "'reference'")], low].concat()),
         pulses,
         || true,
     );

@@ -26,13 +26,13 @@ fn a_line_of_many_numbers_is_read_once() {
 /// Before: every name was compared with every other, and every fault with every line that could not be read.
 #[test]
 fn many_names_and_many_faults_are_read_once() {
-    let many = sized(50_000, 20_000);
+    let (many, most_s) = sized((50_000, 10.0), (20_000, 4.0));
     let targets: String = (0..many).map(|n| format!("[[target]]\nname = \"t{n}\"\n")).collect();
     let took = seconds(&targets);
-    assert!(took < 10.0, "{took} s");
+    assert!(took < most_s, "{took} s");
     let lines: String = (0..many).map(|n| format!("k{n} = 1\nx{n} = = 2\n")).collect();
     let took = seconds(&lines);
-    assert!(took < 10.0, "{took} s");
+    assert!(took < most_s, "{took} s");
 }
 
 #[test]

@@ -152,7 +152,7 @@ export const canvases = () => [id("c-lateness")];
 export function lines({ status }) {
   if (!status) return [];
   return [`released ${whole(status.released)}, late ${whole(status.late)}, dropped ${whole(status.dropped)}`,
-    `made at ${digits(status.real_time_factor)} times real time; ready ${status.ring.filled} of ${status.ring.slots}`,
+    `computed at ${digits(status.real_time_factor)} times real time; ready ${status.ring.filled} of ${status.ring.slots}`,
     ...status.sinks.map((sink) => `sink ${sink.name}: taken ${whole(sink.written)}, queue ${sink.queue} of ${sink.queue_slots}, lost ${whole(sink.dropped)}`),
     ...sentences(status.misreported, status.changes)];
 }
