@@ -160,7 +160,7 @@ impl Completer {
     }
 
     /// Takes the next epoch and calls with what becomes of it and of those before.
-    pub fn push(&mut self, epoch: Epoch, see: &mut impl FnMut(Reported)) {
+    pub fn push(&mut self, epoch: Epoch, see: &mut dyn FnMut(Reported)) {
         self.located |= epoch.position_deg.is_some();
         if self.dated {
             return self.order(epoch, see);
@@ -180,7 +180,7 @@ impl Completer {
     }
 
     /// Takes the end of the stream: what waits is completed with what there is.
-    pub fn finish(&mut self, see: &mut impl FnMut(Reported)) {
+    pub fn finish(&mut self, see: &mut dyn FnMut(Reported)) {
         if let Some((time, epoch)) = self.ahead.take() {
             self.take(time, epoch, see);
         }
@@ -221,7 +221,7 @@ impl Completer {
     }
 
     /// A dated epoch finds its place among the others.
-    fn order(&mut self, epoch: Epoch, see: &mut impl FnMut(Reported)) {
+    fn order(&mut self, epoch: Epoch, see: &mut dyn FnMut(Reported)) {
         let (Some(time), Some(_)) = (epoch.time(), epoch.position_deg) else { return };
         let Some(last) = self.last else { return self.take(time, epoch, see) };
         let mut step_s = time.since(last);
@@ -269,7 +269,7 @@ impl Completer {
     }
 
     /// The next epoch in the order of time.
-    fn take(&mut self, time: TimeTag, mut epoch: Epoch, see: &mut impl FnMut(Reported)) {
+    fn take(&mut self, time: TimeTag, mut epoch: Epoch, see: &mut dyn FnMut(Reported)) {
         if let Some(before) = self.last {
             see(Reported::Follows { line: epoch.line, time, before });
         }
@@ -341,7 +341,7 @@ impl Completer {
     }
 
     /// Passes on the fixes that are complete.
-    fn release(&mut self, see: &mut impl FnMut(Reported)) {
+    fn release(&mut self, see: &mut dyn FnMut(Reported)) {
         let complete = self.height.from.min(self.attitude.from);
         while self.first < complete
             && let Some((_, epoch)) = self.waiting.pop_front()

@@ -153,7 +153,7 @@ impl Assembler {
     }
 
     /// Takes a message and calls with every epoch that it closes, two at most.
-    pub fn push(&mut self, message: &Message, see: &mut impl FnMut(Epoch)) {
+    pub fn push(&mut self, message: &Message, see: &mut dyn FnMut(Epoch)) {
         let line = message.line;
         match &message.content {
             Content::Gga(gga) => {
@@ -223,7 +223,7 @@ impl Assembler {
         fix: &Option<Fixed>,
         rank: u8,
         line: u64,
-        see: &mut impl FnMut(Epoch),
+        see: &mut dyn FnMut(Epoch),
     ) -> Option<&mut Epoch> {
         let fix = fix.as_ref()?;
         let epoch = self.epoch(fix.time_of_day_ns, line, see)?;
@@ -232,7 +232,7 @@ impl Assembler {
     }
 
     /// The open epoch of this time of day; another one is closed first. `None` if INSPVAX has completed it.
-    fn epoch(&mut self, time_of_day_ns: i64, line: u64, see: &mut impl FnMut(Epoch)) -> Option<&mut Epoch> {
+    fn epoch(&mut self, time_of_day_ns: i64, line: u64, see: &mut dyn FnMut(Epoch)) -> Option<&mut Epoch> {
         if self.complete == Some(time_of_day_ns) {
             return None;
         }
@@ -243,7 +243,7 @@ impl Assembler {
         Some(self.open.get_or_insert(Epoch { line, time_of_day_ns, ..Epoch::default() }))
     }
 
-    fn complete(&mut self, message: &Inspvax, line: u64, see: &mut impl FnMut(Epoch)) {
+    fn complete(&mut self, message: &Inspvax, line: u64, see: &mut dyn FnMut(Epoch)) {
         let Some(time) = message.time().filter(|_| message.is_solution()) else { return };
         // To the nanosecond, as sentences have it.
         let ns = (time.fraction_s() * 1e9).round() as i64;

@@ -372,7 +372,7 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         view: Option<View>,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.start(stop, status, view, None::<fn(&mut Pulse)>).map(|(outcome, _)| outcome)
+        self.start(stop, status, view, None).map(|(outcome, _)| outcome)
     }
 
     /// Runs like [`Self::run`] and hands every released pulse to `see` as well, in a thread and through a
@@ -393,9 +393,9 @@ impl PulseStream {
     pub(super) fn hand_over(
         self,
         stop: &Arc<AtomicBool>,
-        see: impl FnMut(&mut Pulse) + Send,
+        mut see: impl FnMut(&mut Pulse) + Send,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.start(stop, None, None, Some(see)).map(|(outcome, _)| outcome)
+        self.start(stop, None, None, Some(&mut see)).map(|(outcome, _)| outcome)
     }
 
     /// What a sink is reported before the first pulse.
@@ -413,7 +413,7 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         mut see: impl FnMut(&Pulse) + Send,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        self.start(stop, status, None, Some(move |pulse: &mut Pulse| see(pulse)))
+        self.start(stop, status, None, Some(&mut |pulse: &mut Pulse| see(pulse)))
     }
 
     fn start(
@@ -421,7 +421,7 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
         view: Option<View>,
-        tap: Option<impl FnMut(&mut Pulse) + Send>,
+        tap: Option<&mut (dyn FnMut(&mut Pulse) + Send)>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self {
             mut factory,
@@ -470,7 +470,7 @@ impl PulseStream {
             };
             stream.sink(&name, settings.queue_pulses, move |feed| drain(sink, feed).map(Some))?;
         }
-        if let Some(mut see) = tap {
+        if let Some(see) = tap {
             stream.sink("tap", settings.ring_slots, move |mut feed| {
                 loop {
                     let fed = feed.next_slot(sinks::sink::FLUSH_INTERVAL, |pulse| {

@@ -221,7 +221,7 @@ impl Assembly {
     }
 
     /// Whether the stream is followed to where an emission is out of its place.
-    fn follow(&mut self, emission_ps: i128, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) -> bool {
+    fn follow(&mut self, emission_ps: i128, done: &mut dyn FnMut(Box<Pulse>) -> Option<Box<Pulse>>) -> bool {
         let verdict = self.track.elsewhere(emission_ps);
         if verdict == Verdict::Waits {
             return false;
@@ -255,7 +255,7 @@ impl Assembly {
         &mut self,
         time_ps: i128,
         state: &State,
-        done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
+        done: &mut dyn FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
     ) -> Taken {
         let first_ps = time_ps + (state.window_start_s * SECOND_PS as f64).round() as i128;
         let [platform, of] = state.platform;
@@ -302,7 +302,7 @@ impl Assembly {
         channel: usize,
         packet: &Packet<'_>,
         time_ps: i128,
-        done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
+        done: &mut dyn FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
     ) -> Taken {
         let Packet { payload, .. } = *packet;
         let samples = self.header.layout.samples;
@@ -388,7 +388,7 @@ impl Assembly {
     }
 
     /// Opens a pulse at its place among the others, and gives up the oldest where there are too many.
-    fn begin(&mut self, first_ps: i128, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) -> usize {
+    fn begin(&mut self, first_ps: i128, done: &mut dyn FnMut(Box<Pulse>) -> Option<Box<Pulse>>) -> usize {
         while self.open.len() >= self.most {
             // First one of which only states came, or only samples: who opens many shall not close those that
             // become whole. Then a pulse that lies apart, or all others if this one comes before them: it
@@ -425,7 +425,7 @@ impl Assembly {
     }
 
     /// Hands on what is complete at the front.
-    fn hand_on(&mut self, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) {
+    fn hand_on(&mut self, done: &mut dyn FnMut(Box<Pulse>) -> Option<Box<Pulse>>) {
         while self.open.front().is_some_and(Open::is_complete) {
             self.close(done);
         }
@@ -474,7 +474,7 @@ impl Assembly {
     }
 
     /// Closes the oldest pulse, complete or not.
-    fn close(&mut self, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) {
+    fn close(&mut self, done: &mut dyn FnMut(Box<Pulse>) -> Option<Box<Pulse>>) {
         let Some(mut open) = self.open.pop_front() else { return };
         let complete = open.is_complete();
         if self.closed.len() >= CLOSED_PULSES {
@@ -507,7 +507,7 @@ impl Assembly {
     }
 
     /// The end: closes all.
-    pub(super) fn finish(&mut self, done: &mut impl FnMut(Box<Pulse>) -> Option<Box<Pulse>>) {
+    pub(super) fn finish(&mut self, done: &mut dyn FnMut(Box<Pulse>) -> Option<Box<Pulse>>) {
         while !self.open.is_empty() {
             self.close(done);
         }

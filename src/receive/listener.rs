@@ -203,6 +203,16 @@ impl Listener {
         record: Option<Opener>,
         mut see: impl FnMut(&Pulse),
     ) -> Result<Report, Box<Interrupted>> {
+        self.receive_into(until, stop, record, &mut see)
+    }
+
+    fn receive_into(
+        &self,
+        until: Until,
+        stop: &AtomicBool,
+        record: Option<Opener>,
+        see: &mut dyn FnMut(&Pulse),
+    ) -> Result<Report, Box<Interrupted>> {
         let mut receiver = if self.senders.restart { Receiver::following() } else { Receiver::new() };
         let (mut strangers, mut restarts, mut runs, mut known) = (0u64, 0, 0, 0);
         let recorded = record.is_some();
@@ -225,7 +235,7 @@ impl Listener {
                 Ok((length, _)) => {
                     let (arrival, refused) = (Instant::now(), receiver.refused());
                     let packet = datagram.get(..length).unwrap_or(&[]);
-                    receiver.take(packet, arrival, &mut outlet(&mut recordings, &mut see));
+                    receiver.take(packet, arrival, &mut outlet(&mut recordings, see));
                     // Who sends nonsense does not keep a reception from its end.
                     if receiver.refused() == refused {
                         last = Some(arrival);
@@ -256,7 +266,7 @@ impl Listener {
                 },
             }
         }
-        let mut report = receiver.finish(&mut outlet(&mut recordings, &mut see));
+        let mut report = receiver.finish(&mut outlet(&mut recordings, see));
         let done = recordings.finish(fault.is_none());
         if let Some(notice) = self.senders.notice {
             done.notes.iter().for_each(|note| notice(note));
@@ -290,7 +300,7 @@ impl Listener {
 }
 
 /// Where whole pulses go.
-fn outlet<'a>(recordings: &'a mut Recordings, see: &'a mut impl FnMut(&Pulse)) -> impl Outlet + 'a {
+fn outlet<'a>(recordings: &'a mut Recordings, see: &'a mut dyn FnMut(&Pulse)) -> impl Outlet + 'a {
     move |pulse: Box<Pulse>| {
         see(&pulse);
         recordings.take(pulse)

@@ -164,7 +164,7 @@ impl Receiver {
     }
 
     /// Takes a datagram; whole pulses go to `outlet`.
-    pub fn take(&mut self, datagram: &[u8], arrival: Instant, outlet: &mut impl Outlet) {
+    pub fn take(&mut self, datagram: &[u8], arrival: Instant, outlet: &mut dyn Outlet) {
         self.report.datagrams += 1;
         self.report.bytes += datagram.len() as u64;
         if let Err(fault) = self.read(datagram, arrival, outlet) {
@@ -186,12 +186,12 @@ impl Receiver {
     }
 
     /// Ends the run that is received. What is known of it stays known, for the same run may begin again.
-    fn begin_again(&mut self, outlet: &mut impl Outlet) {
+    fn begin_again(&mut self, outlet: &mut dyn Outlet) {
         self.close_run(outlet);
         self.runs_before += 1;
     }
 
-    fn close_run(&mut self, outlet: &mut impl Outlet) {
+    fn close_run(&mut self, outlet: &mut dyn Outlet) {
         self.close_pulses(outlet);
         self.assembly = None;
         self.forget_streams();
@@ -212,7 +212,7 @@ impl Receiver {
     }
 
     /// Looks whether a description is of another run, which may be followed.
-    fn another(&mut self, description: &Extension, outlet: &mut impl Outlet) {
+    fn another(&mut self, description: &Extension, outlet: &mut dyn Outlet) {
         let Extension::Run(run) = description else { return };
         if !self.roster.is_another(run) {
             self.other = None;
@@ -236,7 +236,7 @@ impl Receiver {
 
     /// Learns a description. What came first holds once a pulse of it has been whole; until then, what came
     /// last does.
-    fn learn(&mut self, stream: u32, description: Extension, outlet: &mut impl Outlet) {
+    fn learn(&mut self, stream: u32, description: Extension, outlet: &mut dyn Outlet) {
         if self.roster.learn(stream, description.clone()) || self.whole_pulses() > 0 {
             return;
         }
@@ -244,7 +244,7 @@ impl Receiver {
         self.roster.learn_again(stream, description);
     }
 
-    fn read(&mut self, datagram: &[u8], arrival: Instant, outlet: &mut impl Outlet) -> Result<(), Malformed> {
+    fn read(&mut self, datagram: &[u8], arrival: Instant, outlet: &mut dyn Outlet) -> Result<(), Malformed> {
         let packet = Packet::parse(datagram)?;
         let Some(stream) = packet.stream else {
             self.report.unknown += 1;
@@ -388,7 +388,7 @@ impl Receiver {
         stream: u32,
         packet: &Packet<'_>,
         arrival: Instant,
-        outlet: &mut impl Outlet,
+        outlet: &mut dyn Outlet,
     ) -> Option<Taken> {
         let Self { assembly: Some(assembly), roster, report, arrivals, first, .. } = self else {
             self.report.undescribed += 1;
@@ -412,7 +412,7 @@ impl Receiver {
         packet: &Packet<'_>,
         state: &State,
         arrival: Instant,
-        outlet: &mut impl Outlet,
+        outlet: &mut dyn Outlet,
     ) -> Option<Taken> {
         let Self { assembly: Some(assembly), roster, report, arrivals, first, .. } = self else {
             self.report.undescribed += 1;
@@ -441,7 +441,7 @@ impl Receiver {
     }
 
     /// Gives up what is open, and adds the counts of this run to those before.
-    fn close_pulses(&mut self, outlet: &mut impl Outlet) {
+    fn close_pulses(&mut self, outlet: &mut dyn Outlet) {
         let Some(assembly) = &mut self.assembly else { return };
         assembly.finish(outlet);
         let pulses = assembly.pulses;
@@ -461,7 +461,7 @@ impl Receiver {
     }
 
     /// The end: gives up what is open, and reports.
-    pub fn finish(mut self, outlet: &mut impl Outlet) -> Report {
+    pub fn finish(mut self, outlet: &mut dyn Outlet) -> Report {
         self.forget_streams();
         self.close_pulses(outlet);
         self.report.not_carried = NOT_CARRIED;
@@ -485,7 +485,7 @@ fn timed<'a>(
     arrivals: &'a mut Arrivals,
     first: &'a mut Option<(TimeTag, Instant)>,
     arrival: Instant,
-    outlet: &'a mut impl Outlet,
+    outlet: &'a mut dyn Outlet,
 ) -> impl Outlet + 'a {
     move |pulse: Box<Pulse>| {
         let (emission, begun) = *first.get_or_insert_with(|| {

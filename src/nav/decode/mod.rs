@@ -131,7 +131,7 @@ impl Decoder {
 
     /// Takes the next bytes of the stream, any number of them, and calls with every message that they
     /// complete.
-    pub fn push(&mut self, mut bytes: &[u8], see: &mut impl FnMut(Message)) {
+    pub fn push(&mut self, mut bytes: &[u8], see: &mut dyn FnMut(Message)) {
         while !bytes.is_empty() {
             let taken = bytes.len().min(HELD_BYTES - self.held.len());
             self.held.extend_from_slice(&bytes[..taken]);
@@ -141,7 +141,7 @@ impl Decoder {
     }
 
     /// Takes the end of the stream: a last line needs no line end. The decoder is as new but for its counts.
-    pub fn finish(&mut self, see: &mut impl FnMut(Message)) {
+    pub fn finish(&mut self, see: &mut dyn FnMut(Message)) {
         self.decide(true, see);
         self.sums.taken(usize::MAX);
         self.held.clear();
@@ -152,7 +152,7 @@ impl Decoder {
         &self.counts
     }
 
-    fn decide(&mut self, ended: bool, see: &mut impl FnMut(Message)) {
+    fn decide(&mut self, ended: bool, see: &mut dyn FnMut(Message)) {
         let mut at = 0;
         loop {
             let taken = step(&self.held, at, ended, &mut self.sums, &mut self.counts, see);
@@ -183,7 +183,7 @@ fn step(
     ended: bool,
     sums: &mut novatel::Sums,
     counts: &mut Counts,
-    see: &mut impl FnMut(Message),
+    see: &mut dyn FnMut(Message),
 ) -> usize {
     let bytes = &held[at..];
     if sync(bytes) == Some(true) {
@@ -228,7 +228,7 @@ fn binary(
     ended: bool,
     is_intact: impl FnOnce(usize) -> bool,
     counts: &mut Counts,
-    see: &mut impl FnMut(Message),
+    see: &mut dyn FnMut(Message),
 ) -> usize {
     const SYNC_BYTES: usize = 3;
     let more = |counts: &mut Counts| {
@@ -250,7 +250,7 @@ fn binary(
 }
 
 /// A line of text without its end.
-fn line(line: &[u8], counts: &mut Counts, see: &mut impl FnMut(Message)) {
+fn line(line: &[u8], counts: &mut Counts, see: &mut dyn FnMut(Message)) {
     let mut rest = line.trim_ascii();
     if rest.is_empty() {
         return;
@@ -303,7 +303,7 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut impl FnMut(Message)) {
 }
 
 /// Counts a message and hands it on.
-fn report(content: Result<Content, Unread>, counts: &mut Counts, see: &mut impl FnMut(Message)) {
+fn report(content: Result<Content, Unread>, counts: &mut Counts, see: &mut dyn FnMut(Message)) {
     match content {
         Err(Unread::Unknown) => counts.unknown += 1,
         Err(Unread::Malformed) => counts.malformed += 1,
