@@ -140,12 +140,21 @@ impl Judge {
         threads: usize,
         passed: impl Fn(usize) + Sync,
     ) -> Result<Self, BuildErrors> {
+        Self::reference(run, pulses, threads, &passed)
+    }
+
+    fn reference(
+        run: &Run,
+        pulses: Vec<u64>,
+        threads: usize,
+        passed: &(dyn Fn(usize) + Sync),
+    ) -> Result<Self, BuildErrors> {
         let factory = factory_for(run, &Fidelity::Reference)?;
         let one = sea_bytes(&run.scene, &Fidelity::Reference, 1).max(1);
         let fit = available_bytes().map_or(threads, |bytes| usize::try_from(bytes / one).unwrap_or(threads));
         let workers = threads.min(fit).max(1);
         let begun = Instant::now();
-        let samples = make(&factory, &pulses, workers, &passed, <[_]>::to_vec)?;
+        let samples = make(&factory, &pulses, workers, passed, <[_]>::to_vec)?;
         let pulses_per_s = pulses.len() as f64 / begun.elapsed().as_secs_f64().max(f64::MIN_POSITIVE);
         let channels = factory.layout().channels;
         drop(factory);
@@ -279,7 +288,7 @@ fn make<T: Send>(
     factory: &PulseFactory,
     pulses: &[u64],
     threads: usize,
-    passed: &(impl Fn(usize) + Sync),
+    passed: &(dyn Fn(usize) + Sync),
     keep: impl Fn(&[Complex32]) -> T + Sync,
 ) -> Result<Vec<T>, PulseError> {
     let block = factory.block_pulses();

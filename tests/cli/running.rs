@@ -351,7 +351,7 @@ fn tables_are_csv() {
 
 #[test]
 fn the_library_example_runs() {
-    // Examples are built with all tests, and by tools/test before them.
+    // Built with all tests, and by tools/test before them.
     let binary = Path::new(env!("CARGO_BIN_EXE_nereus")).with_file_name("examples").join("scene_in_rust");
     if !binary.exists() {
         println!("skipped: {} was not built with these tests", binary.display());
