@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
+use crate::cases::sized;
 use crate::program::{nereus, package};
 use crate::table_golden::golden;
 
@@ -153,8 +154,8 @@ fn what_does_not_fit_gives_a_warning_and_no_error() {
             "sea.wind_mps=2",
             "scene.patch_size_m=[16, 16]",
             "scene.facet_m=0.5",
-            // Quick to check; the first has the fast echo.
-            "fidelity.echo=reference",
+            // Quick to check; the first has the fast echo always.
+            sized("fidelity.echo=fast", "fidelity.echo=reference"),
         ];
         all.extend(settings);
         let warnings = check("configs/sea.toml", &all).1;
@@ -251,8 +252,10 @@ fn waves_beyond_a_measured_spectrum_are_stated() {
     let sea = package().join("configs/sea.toml").display().to_string();
     let path = format!("sea.spectrum_path={}", folder.path().join("buoy.csv").display());
     let with = |more: &[&str]| {
-        let small = ["check", &sea, "--set", "scene.patch_size_m=[8, 8]", "--set", "sea.spectrum=measured"];
-        let own = ["--set", &path, "--set", "fidelity.echo=reference"];
+        let patch = sized("scene.patch_size_m=[16, 16]", "scene.patch_size_m=[8, 8]");
+        let small = ["check", &sea, "--set", patch, "--set", "sea.spectrum=measured"];
+        let echo = sized("fidelity.echo=fast", "fidelity.echo=reference");
+        let own = ["--set", &path, "--set", echo];
         let ended = nereus(package(), &[&small[..], &own, more].concat());
         assert_eq!(ended.code, 0, "{}", ended.stderr);
         ended.stdout
