@@ -192,8 +192,8 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         let wind = medium.wind_12p5_mps;
         let (clean, covered) = match (settings.splitting, cut_radpm) {
             (Splitting::Consistent, Some(cut)) => (
-                moments(&psi, |_| 1.0, medium.resolved_radpm, cut, medium.downwind_rad),
-                moments(&psi, |k| kind.spectrum_factor(k), medium.resolved_radpm, cut, medium.downwind_rad),
+                moments(&psi, &|_| 1.0, medium.resolved_radpm, cut, medium.downwind_rad),
+                moments(&psi, &|k| kind.spectrum_factor(k), medium.resolved_radpm, cut, medium.downwind_rad),
             ),
             _ => (
                 Moments { slopes: Clean.slopes(wind), roughness_m2: 0.0 },
@@ -230,17 +230,11 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         if let Some(cut_radpm) = self.cut_radpm.filter(|_| self.averages_tilts()) {
             let mut bias = TiltBias::default();
             let from_radpm = self.medium.resolved_radpm.max(LONGEST_RADPM);
-            integrate(
-                wave_psi,
-                |_| 1.0,
-                from_radpm,
-                cut_radpm,
-                |k, azimuth, power| {
-                    let (sin, cos) = azimuth.sin_cos();
-                    let off_wind_rad = azimuth - self.medium.downwind_rad;
-                    bias.add([k * cos, k * sin], off_wind_rad, power, dispersion, relaxation_per_s);
-                },
-            );
+            integrate(&wave_psi, &|_| 1.0, from_radpm, cut_radpm, &mut |k, azimuth, power| {
+                let (sin, cos) = azimuth.sin_cos();
+                let off_wind_rad = azimuth - self.medium.downwind_rad;
+                bias.add([k * cos, k * sin], off_wind_rad, power, dispersion, relaxation_per_s);
+            });
             self.bias = Some(bias.over(self.clean.slopes));
         }
         self
@@ -440,20 +434,20 @@ fn scaled(matrix: ScatterMatrix, factor: f64) -> ScatterMatrix {
 
 /// Slope variances of `resolved < K < cut` and height variance of `K > cut`, of `psi * factor`.
 fn moments(
-    psi: impl Fn(f64, f64) -> f64,
-    factor: impl Fn(f64) -> f64,
+    psi: &dyn Fn(f64, f64) -> f64,
+    factor: &dyn Fn(f64) -> f64,
     resolved_radpm: f64,
     cut_radpm: f64,
     downwind_rad: f64,
 ) -> Moments {
     let (mut up, mut cross) = (0.0, 0.0);
-    integrate(&psi, &factor, resolved_radpm.max(LONGEST_RADPM), cut_radpm, |k, azimuth, power| {
+    integrate(psi, factor, resolved_radpm.max(LONGEST_RADPM), cut_radpm, &mut |k, azimuth, power| {
         let (sin, cos) = (azimuth - downwind_rad).sin_cos();
         up += k * k * cos * cos * power;
         cross += k * k * sin * sin * power;
     });
     let mut roughness_m2 = 0.0;
-    integrate(&psi, &factor, cut_radpm.max(LONGEST_RADPM), SHORTEST_RADPM, |_, _, power| {
+    integrate(psi, factor, cut_radpm.max(LONGEST_RADPM), SHORTEST_RADPM, &mut |_, _, power| {
         roughness_m2 += power;
     });
     Moments { slopes: MeanSquareSlope { up, cross }, roughness_m2 }
@@ -461,11 +455,11 @@ fn moments(
 
 /// Visits the nodes of a polar rule (Simpson in `log K`, trapezoid in azimuth) with the power of each.
 fn integrate(
-    psi: impl Fn(f64, f64) -> f64,
-    factor: impl Fn(f64) -> f64,
+    psi: &dyn Fn(f64, f64) -> f64,
+    factor: &dyn Fn(f64) -> f64,
     from_radpm: f64,
     to_radpm: f64,
-    mut visit: impl FnMut(f64, f64, f64),
+    visit: &mut dyn FnMut(f64, f64, f64),
 ) {
     const AZIMUTHS: u32 = 64;
     const STEPS_PER_DECADE: f64 = 150.0;

@@ -72,7 +72,7 @@ fn scatter<K: nereus::scattering::kind::Kind>(
 #[test]
 fn mean_power_over_phases_is_sigma0_times_area() {
     let settings = Settings { tilt_average: true, ..Settings::default() };
-    let sea = TwoScale::new(settings, medium(DVec3::X), Slick::default(), |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(settings, medium(DVec3::X), Slick::default(), spectrum().as_psi());
     // Specular and Bragg parts of the same order.
     let down = DVec3::new(0.35, 0.0, -(1.0f64 - 0.35 * 0.35).sqrt());
     let (slopes, cover) = ((0.05, -0.1), 0.3);
@@ -107,7 +107,7 @@ fn mean_power_over_phases_is_sigma0_times_area() {
 
 #[test]
 fn a_cut_batch_gives_the_same_bits() {
-    let sea = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, spectrum().as_psi());
     let mut draws = ChaCha8Rng::seed_from_u64(5);
     let mut batch = Batch::new();
     let mut phasors = [Complex64::ZERO; 2];
@@ -161,7 +161,7 @@ fn forgetting_follows_its_law() {
 
 #[test]
 fn tabulated_spectrum_stays_within_its_word() {
-    let psi = |x: f64, y: f64| spectrum().psi(x, y);
+    let psi = spectrum().as_psi();
     let exact = TwoScale::new(Settings::default(), medium(DVec3::X), Slick::default(), psi);
     let table = SpectrumTable::for_bragg(psi, medium(DVec3::X).wavenumber_radpm(), exact.cut_radpm());
     let quick =
@@ -214,7 +214,7 @@ fn many_harmonics_are_kept() {
 
 #[test]
 fn wrong_lengths_are_named() {
-    let sea = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, spectrum().as_psi());
     let mut batch = Batch::new();
     batch.push((DVec3::NEG_Z, DVec3::Z), (0.0, 0.0), 1.0, &[Complex64::ONE]);
     let mut out = [[Complex64::ZERO; 1]; 4];

@@ -28,7 +28,7 @@ fn sea(resolved_radpm: f64, tilt_average: bool) -> TwoScale<Clean, impl Fn(f64, 
     };
     let spectrum = Elfouhaily { wind_10_mps: 10.0, downwind_rad: 0.0 };
     let settings = Settings { tilt_average, ..Settings::default() };
-    TwoScale::new(settings, medium, Clean, move |kx, ky| spectrum.psi(kx, ky))
+    TwoScale::new(settings, medium, Clean, spectrum.as_psi())
 }
 
 fn monostatic(incidence_deg: f64, azimuth_rad: f64) -> Path {

@@ -30,7 +30,7 @@ fn inclined(theta_rad: f64, azimuth_rad: f64) -> DVec3 {
 }
 
 fn default_sea() -> TwoScale<Clean, impl Fn(f64, f64) -> f64> {
-    TwoScale::new(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y))
+    TwoScale::new(Settings::default(), medium(DVec3::X), Clean, spectrum().as_psi())
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn a_medium_like_air_is_invisible() {
     for contrast in [0.0, 1e-300, 1e-16, 1e-12] {
         let mut medium = medium(DVec3::X);
         medium.permittivity = Complex64::new(1.0 + contrast, 0.0);
-        let sea = TwoScale::new(Settings::default(), medium, Clean, |x, y| spectrum().psi(x, y));
+        let sea = TwoScale::new(Settings::default(), medium, Clean, spectrum().as_psi());
         for theta in [0.0, 0.8, 1.5] {
             let up = inclined(theta, 0.3);
             let response = sea.response(&Path::new(-up, up), (0.01, 0.02), 0.0);
@@ -139,7 +139,7 @@ fn from_l_to_ka() {
         let mut medium = medium(DVec3::X);
         medium.carrier_hz = carrier_hz;
         medium.permittivity = Model::default().permittivity(carrier_hz, water).unwrap();
-        let sea = TwoScale::new(Settings::default(), medium, Clean, |x, y| spectrum().psi(x, y));
+        let sea = TwoScale::new(Settings::default(), medium, Clean, spectrum().as_psi());
         let cut = sea.cut_radpm().unwrap();
         assert_eq!(cut, (medium.wavenumber_radpm() / 3.0).max(PI));
         let up = inclined(PI / 4.0, 0.0);

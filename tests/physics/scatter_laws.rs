@@ -60,7 +60,7 @@ fn swapping_the_ends_changes_nothing() {
     let mut draws = ChaCha8Rng::seed_from_u64(1);
     let mut worst: f64 = 0.0;
     let settings = Settings { tilt_average: true, gram_charlier: true, ..Settings::default() };
-    let sea = TwoScale::new(settings, medium(DVec3::X), Slick::default(), |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(settings, medium(DVec3::X), Slick::default(), spectrum().as_psi());
     for _ in 0..cases(2000) {
         let (from, to) = (upwards(&mut draws, 1.5), upwards(&mut draws, 1.5));
         let slopes = (uniform(&mut draws, -0.4, 0.4), uniform(&mut draws, -0.4, 0.4));
@@ -212,7 +212,7 @@ fn bragg_without_bases_is_bragg_with_bases() {
 fn turning_the_whole_scene_changes_nothing() {
     let mut draws = ChaCha8Rng::seed_from_u64(3);
     let mut worst: f64 = 0.0;
-    let psi = |x: f64, y: f64| spectrum().psi(x, y);
+    let psi = spectrum().as_psi();
     for splitting in [Splitting::Consistent, Splitting::Mars2007] {
         let settings = Settings { splitting, tilt_average: true, gram_charlier: true, ..Settings::default() };
         let still = TwoScale::new(settings, medium(DVec3::X), Slick::default(), psi);
@@ -240,7 +240,7 @@ fn turning_the_whole_scene_changes_nothing() {
 
 #[test]
 fn a_film_darkens_the_sea_smoothly() {
-    let psi = |x: f64, y: f64| spectrum().psi(x, y);
+    let psi = spectrum().as_psi();
     let down = DVec3::new(0.5f64.sqrt(), 0.0, -0.5f64.sqrt());
     let path = Path::new(down, -down);
     let film = TwoScale::new(Settings::default(), medium(DVec3::X), Slick::default(), psi);

@@ -50,7 +50,7 @@ fn the_ends_may_be_swapped_in_every_option() {
         for downwind_rad in [0.0, 0.4, 2.0] {
             let medium = Medium { downwind_rad, ..medium(DVec3::X) };
             let waves = Elfouhaily { downwind_rad, ..spectrum() };
-            let sea = TwoScale::new(settings, medium, Slick::default(), |x, y| waves.psi(x, y));
+            let sea = TwoScale::new(settings, medium, Slick::default(), waves.as_psi());
             for _ in 0..cases(200) {
                 let (from, to) = (upwards(&mut draws, 1.55), upwards(&mut draws, 1.55));
                 let slopes = (uniform(&mut draws, -0.8, 0.8), uniform(&mut draws, -0.8, 0.8));
@@ -84,7 +84,7 @@ fn wind_and_radar_turn_together_over_level_facets() {
         let sea = |downwind_rad: f64| {
             let waves = Elfouhaily { downwind_rad, ..spectrum() };
             let medium = Medium { downwind_rad, ..medium(DVec3::X) };
-            TwoScale::new(settings, medium, Slick::default(), move |x, y| waves.psi(x, y))
+            TwoScale::new(settings, medium, Slick::default(), waves.as_psi())
         };
         let still = sea(0.4);
         for _ in 0..cases(20) {
@@ -112,7 +112,7 @@ fn monostatic_specular_points_are_the_textbook_formula() {
     for settings in every_setting() {
         let medium = Medium { downwind_rad: 0.0, ..medium(DVec3::X) };
         let waves = Elfouhaily { downwind_rad: 0.0, ..spectrum() };
-        let sea = TwoScale::new(settings, medium, Clean, |x, y| waves.psi(x, y));
+        let sea = TwoScale::new(settings, medium, Clean, waves.as_psi());
         let moments = sea.moments(0.0);
         for deg in [0.0f64, 3.0, 8.0, 15.0, 22.0] {
             let (sin, cos) = deg.to_radians().sin_cos();
@@ -146,7 +146,7 @@ fn the_receiver_passes_through_the_specular_point() {
     // Munk.
     let peak_db = |splitting| {
         let settings = Settings { splitting, ..Settings::default() };
-        let sea = TwoScale::new(settings, medium, Clean, |x, y| waves.psi(x, y));
+        let sea = TwoScale::new(settings, medium, Clean, waves.as_psi());
         let k = medium.wavenumber_radpm();
         let damping = (4.0 * k * k * sea.moments(0.0).roughness_m2).exp();
         let nadir = Path::new(DVec3::NEG_Z, DVec3::Z);
@@ -160,7 +160,7 @@ fn the_receiver_passes_through_the_specular_point() {
     // Across the specular direction of a transmitter at 50 degrees, in steps of 0.01 degrees: what the radar
     // sees changes smoothly and peaks there.
     for settings in every_setting().into_iter().filter(|s| s.splitting == Splitting::Consistent) {
-        let sea = TwoScale::new(settings, medium, Clean, |x, y| waves.psi(x, y));
+        let sea = TwoScale::new(settings, medium, Clean, waves.as_psi());
         let ki = DVec3::new(50f64.to_radians().sin(), 0.0, -(50f64.to_radians().cos()));
         let at = |deg: f64, across_deg: f64| {
             let (sin, cos) = deg.to_radians().sin_cos();
@@ -193,7 +193,7 @@ fn facets_steeper_than_45_degrees_are_facets() {
     // level one at nadir.
     for splitting in [Splitting::Consistent, Splitting::Mars2007] {
         let settings = Settings { splitting, ..Settings::default() };
-        let sea = TwoScale::new(settings, medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+        let sea = TwoScale::new(settings, medium(DVec3::X), Clean, spectrum().as_psi());
         let nadir = sea.response(&Path::new(DVec3::NEG_Z, DVec3::Z), (0.0, 0.0), 0.0).specular_sigma0();
         for slope in [1.0, 1.5, 3.0, 10.0] {
             for azimuth in [0.0f64, 1.0, 2.5] {
@@ -216,7 +216,7 @@ fn facets_steeper_than_45_degrees_are_facets() {
 #[test]
 fn nadir_does_not_depend_on_the_convention_of_its_bases() {
     for settings in every_setting().into_iter().filter(|s| s.splitting == Splitting::Consistent) {
-        let sea = TwoScale::new(settings, medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+        let sea = TwoScale::new(settings, medium(DVec3::X), Clean, spectrum().as_psi());
         for slopes in [(0.0, 0.0), (0.1, -0.2)] {
             let nadir = total(&sea.response(&Path::new(DVec3::NEG_Z, DVec3::Z), slopes, 0.0));
             for azimuth in [0.0f64, 0.7, 2.0, 4.0] {
@@ -236,7 +236,7 @@ fn nadir_does_not_depend_on_the_convention_of_its_bases() {
 
 #[test]
 fn the_density_below_the_cut_is_that_of_its_moments() {
-    let sea = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, |x, y| spectrum().psi(x, y));
+    let sea = TwoScale::new(Settings::default(), medium(DVec3::X), Clean, spectrum().as_psi());
     let MeanSquareSlope { up, cross } = sea.moments(0.0).slopes;
     let (sin, cos) = medium(DVec3::X).downwind_rad.sin_cos();
     let expected = SlopePdf::along(MeanSquareSlope { up, cross }, None, cos, sin);

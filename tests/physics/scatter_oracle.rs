@@ -47,6 +47,11 @@ impl Elfouhaily {
     const CM: f64 = 0.23;
     const G: f64 = 9.81;
 
+    /// Psi as a function, whose type is the same wherever it is asked for.
+    pub fn as_psi(self) -> impl Fn(f64, f64) -> f64 + Copy {
+        move |kx, ky| self.psi(kx, ky)
+    }
+
     fn speed(k: f64) -> f64 {
         (Self::G / k * (1.0 + (k / Self::KM).powi(2))).sqrt()
     }
