@@ -201,7 +201,8 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
             return Err(BuildErrors(faults));
         }
     };
-    let needed = needed.saturating_add(factory.breaker_bytes(threads));
+    let more = factory.breaker_bytes(threads).saturating_add(factory.single_bytes(threads));
+    let needed = needed.saturating_add(more);
     if let Some(fault) = too_much(scene, threads, needed) {
         faults.push(fault);
         return Err(BuildErrors(faults));

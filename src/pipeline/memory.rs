@@ -5,6 +5,7 @@
 //! | the program and its libraries | [`PROGRAM_BYTES`] |
 //! | the sea that all workers share | [`SHARED_FACET_BYTES`] a facet |
 //! | the sea of a worker: its surface, nodes, shadows, phases | [`WORKER_FACET_BYTES`] a facet |
+//! | the same of pulses one by one, shared and of a worker | [`SINGLE_FACET_BYTES`] a facet more |
 //! | choppy waves, of a worker | [`CHOPPY_FACET_BYTES`] a facet |
 //! | shadows of a patch that follows, and of choppy waves, of a worker of the fast echo | [`FOLLOW_FACET_BYTES`] a facet |
 //! | ships that echo by their mesh, shared | [`SHARED_PATH_BYTES`] a panel or double bounce |
@@ -14,8 +15,8 @@
 //! | ring and queues | pulses that wait x bytes of a pulse |
 //!
 //! Bytes a facet are those of the buffers as they are, found from the resident memory of seas of 256 x 256
-//! and 512 x 512 facets with one and two workers. Scatterer paths of blocks of single pulses are in the bytes
-//! of the reference.
+//! and 512 x 512 facets with one and two workers; of pulses one by one, which have lists of exact scatterer
+//! paths and of those in single precision, from 64 x 64 to 256 x 256.
 
 use crate::echo::Fidelity;
 use crate::scene::Scene;
@@ -28,6 +29,8 @@ pub const PROGRAM_BYTES: u64 = 26 << 20;
 pub const SHARED_FACET_BYTES: [u64; 2] = [330, 60];
 /// Of each worker, a facet: the reference's, the fast echo's.
 pub const WORKER_FACET_BYTES: [u64; 2] = [700, 430];
+/// More, a facet, where the fast echo makes pulses one by one: shared, of each worker.
+const SINGLE_FACET_BYTES: [u64; 2] = [270, 870];
 /// More of each worker, a facet, where waves are choppy: four fields, of every node in the fast echo.
 pub const CHOPPY_FACET_BYTES: [u64; 2] = [32, 64];
 /// Of each worker of the fast echo, a facet, where the patch follows or waves are choppy: a surface of its
@@ -48,6 +51,12 @@ pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
     let worker = worker + if choppy { CHOPPY_FACET_BYTES[n] } else { 0 };
     let each = SHARED_FACET_BYTES[n].saturating_add(worker.saturating_mul(threads as u64));
     facets.saturating_mul(each)
+}
+
+/// What pulses that the fast echo makes one by one take more than those of a block, bytes.
+pub(crate) fn single_bytes(facets: usize, threads: usize) -> u64 {
+    let [shared, worker] = SINGLE_FACET_BYTES;
+    (facets as u64).saturating_mul(shared.saturating_add(worker.saturating_mul(threads as u64)))
 }
 
 /// Shared, a path of a ship's mesh: its panel, the tree of its triangles, what is seen at the knots that are

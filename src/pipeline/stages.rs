@@ -215,6 +215,14 @@ impl PulseFactory {
         kept.saturating_add((count as u64).saturating_mul(each.saturating_mul(threads as u64)))
     }
 
+    /// What pulses one by one take more than those of a block, bytes.
+    pub(crate) fn single_bytes(&self, threads: usize) -> u64 {
+        match &self.echo {
+            Echo::Single(_) => memory::single_bytes(self.facets(), threads),
+            Echo::Fast(_) | Echo::Reference(_) => 0,
+        }
+    }
+
     /// Facets of the patch of sea; 0 without one.
     pub fn facets(&self) -> usize {
         self.generator.facets()

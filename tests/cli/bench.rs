@@ -87,16 +87,18 @@ fn memory_is_that_predicted() {
     let follow = "scene.patch_follow={ kind = \"beside\", platform = \"aircraft\", across_m = -3000.0 }";
     let wide = sized("scene.patch_size_m=[256, 256]", "scene.patch_size_m=[192, 192]");
     let small = "scene.patch_size_m=[32, 32]";
-    let panels = ["ship.0.echo=true", "ship.0.length_m=50", "ship.0.panel_m=0.8", "scene.duration_s=0.5"];
+    let short = sized("scene.duration_s=0.5", "scene.duration_s=0.1");
+    let panels = ["ship.0.echo=true", "ship.0.length_m=50", "ship.0.panel_m=0.8", short];
     let ship = panels.map(|setting| ["--set", setting]).concat();
     for (patch, more) in [
         (wide, &[][..]),
         (wide, &["--set", "scene.patch=\"follow\"", "--set", follow][..]),
         (small, &ship[..]),
+        ("scene.patch_size_m=[128, 128]", &["--set", "fidelity.node_pulses=1"][..]),
     ] {
         let patch = ["bench", &config, "--set", patch];
-        let short = ["--pulses", sized("100", "20"), "--error-pulses", "0", "--threads", "2", "--json"];
-        let arguments = [&patch[..], &short[..], more].concat();
+        let few = ["--pulses", sized("100", "20"), "--error-pulses", "0", "--threads", "2", "--json"];
+        let arguments = [&patch[..], &few[..], more].concat();
         let report = json(&nereus(folder.path(), &arguments));
         let (found, predicted) = (number(&report, "peak_rss_mib"), number(&report, "predicted_rss_mib"));
         println!("{found:.0} MiB, predicted {predicted:.0}");
