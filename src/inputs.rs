@@ -16,7 +16,7 @@
 use std::borrow::Cow;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Kind of the error of what is no file.
 const REFUSED: ErrorKind = ErrorKind::Unsupported;
@@ -91,6 +91,16 @@ pub fn written_out(text: &str, acts: impl Fn(char) -> bool) -> Cow<'_, str> {
 /// program.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     written_out(text, acts)
+}
+
+/// A path as a report holds it: JSON is Unicode, and a report must not be lost because a path is not.
+pub(crate) fn legible<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
+/// The same of several.
+pub(crate) fn all_legible<S: serde::Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
 /// A path as a line of a report holds it.

@@ -46,7 +46,7 @@ mod _nereus {
         // Recordings from elsewhere are read by a process of their own first.
         let python: std::ffi::OsString = module.py().import("sys")?.getattr("executable")?.extract()?;
         if !python.is_empty() {
-            nereus::cli::called_by(vec![python, "-m".into(), "nereus".into()]);
+            nereus::recording::examination::called_by(vec![python, "-m".into(), "nereus".into()]);
         }
         Ok(())
     }

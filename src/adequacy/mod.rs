@@ -26,6 +26,7 @@
 pub mod description;
 pub mod hidden_targets;
 pub mod polarisation;
+pub mod sea_map;
 mod ships;
 
 use serde::Serialize;

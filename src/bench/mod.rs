@@ -2,6 +2,7 @@
 //!
 //! | page | holds |
 //! | --- | --- |
+//! | [`assessment`] | all that is found of a run without emitting a pulse |
 //! | [`gather`] | pulses of a run, kept in memory |
 //! | [`speed`] | real-time factor and the share of each stage |
 //! | [`cost`] | calibrated cost of one unit of work on this machine |
@@ -11,10 +12,12 @@
 //! | [`clutter`] | statistics of the sea's echo over the azimuth of the wind |
 //! | [`clutter_files`] | these as CSV and as a picture |
 //! | [`sweep_files`] | that table as CSV and as a picture |
+//! | [`table_and_picture`] | both of these files, in a folder of their own |
 //! | [`sweep`] | a table of speed and error over one or two settings |
 //! | [`resources`] | memory, data rate and size of a run, before it |
 
 pub mod accuracy;
+pub mod assessment;
 pub mod clutter;
 pub mod clutter_files;
 pub mod cost;
@@ -25,3 +28,4 @@ pub mod settings;
 pub mod speed;
 pub mod sweep;
 pub mod sweep_files;
+pub mod table_and_picture;

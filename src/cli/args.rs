@@ -4,7 +4,6 @@ use clap::{Parser, Subcommand};
 
 use super::bench::BenchArgs;
 use super::check::CheckArgs;
-use super::examine::ExamineArgs;
 use super::export::ExportArgs;
 use super::focus::FocusArgs;
 use super::merge::MergeArgs;
@@ -18,7 +17,7 @@ use super::sea::snapshot::SnapshotArgs;
 use super::speckle::SpeckleArgs;
 use super::table::TableArgs;
 use super::tradeoff::TradeoffArgs;
-use super::verify::VerifyArgs;
+use super::verify::{ExamineArgs, VerifyArgs};
 use super::wake::WakeArgs;
 
 /// Hardware-in-the-loop bistatic marine radar emulator.

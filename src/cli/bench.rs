@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use super::error::CliError;
 use super::progress;
 use super::report::Report;
-use super::scenario::{JsonArg, MeasuredArgs};
+use super::scenario::{JsonArg, MeasuredArgs, warn_of_scene};
 use super::values::{counts, pulses_or_all};
 use super::{counted, say, warn};
 use crate::bench::accuracy::{self, Accuracy, Judge, LEAST_DB};
@@ -21,7 +21,6 @@ use crate::bench::speed::{self, Speed, TRIAL};
 use crate::config::Run;
 use crate::pipeline::build;
 use crate::pulse::costs::Stage;
-use crate::transport::pacer::Status;
 
 /// Bytes of a mebibyte.
 const MIB: f64 = 1_048_576.0;
@@ -48,7 +47,7 @@ pub struct BenchArgs {
 /// Measures and prints.
 pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Result<(), CliError> {
     let run = args.measured.load(&[])?;
-    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
+    warn_of_scene(&run);
     let pulses = args.pulses.unwrap_or(run.scene.pulses);
     let stream = build::on_nominal_tracks(&run, 0..pulses)?;
     let bytes = stream.predicted_bytes();
@@ -74,16 +73,9 @@ fn judge(run: &Run, measured: &Speed, pulses: u64) -> Result<(Judge, Accuracy), 
 
 /// The reference of some pulses, with progress.
 pub(super) fn reference(run: &Run, pulses: Vec<u64>, threads: usize) -> Result<Judge, CliError> {
-    let total = pulses.len() as u64;
+    let total = pulses.len();
     say(format_args!("reference of {} ...", counted(total, "pulse")));
-    let (status, watcher) = progress::watch(total);
-    let judge = Judge::new(run, pulses, threads, |passed| {
-        // Progress that nobody has time to show is not worth waiting for.
-        let _ = status.try_send(Status { passed: passed as u64, total, late: 0, dropped: 0 });
-    });
-    drop(status);
-    watcher.finish();
-    Ok(judge?)
+    Ok(progress::counting("pulses", |done| Judge::new(run, pulses, threads, |passed| done(passed, total)))?)
 }
 
 fn report(

@@ -8,22 +8,13 @@ use super::error::CliError;
 use super::report::Report;
 use super::scenario::{JsonArg, ScenarioArgs};
 use super::{counted, warn};
-use crate::adequacy::description::{Described, ECHO, Models, RAIN, described, models, scenario, sea, ships};
-use crate::adequacy::polarisation::polarisation;
-use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, adequacy, edge_db, hidden_targets};
-use crate::bench::plan::{PlanReport, echo_text, not_kept};
+use crate::adequacy::description::{scenario, sea, ships};
+use crate::bench::assessment::Assessment;
+use crate::bench::plan::PlanReport;
 use crate::bench::resources::Resources;
 use crate::config::Run;
-use crate::fidelity::cost::CostTable;
-use crate::motion::PlatformNav;
-use crate::nav::TrackSource;
-use crate::paths::drops;
-use crate::pipeline::build::{self, PulseStream};
-use crate::pipeline::fault::BuildErrors;
-use crate::pipeline::outputs;
 use crate::pipeline::plausible;
 use crate::pulse::SampleFormat;
-use crate::transport::Pace;
 use crate::units::digits;
 
 /// `nereus check`
@@ -37,18 +28,6 @@ pub struct CheckArgs {
     pub format: JsonArg,
 }
 
-/// What is found of a run without emitting a pulse.
-struct Found {
-    models: Models,
-    warnings: Vec<String>,
-    /// How the recorded tracks were made.
-    tracks: Vec<Described>,
-    sea: Option<Adequacy>,
-    /// What is chosen for the error that is asked; none for the reference.
-    plan: Option<PlanReport>,
-    forecast: Option<Resources>,
-}
-
 /// Prints the report.
 pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = args.scenario.load(&[])?;
@@ -60,94 +39,13 @@ pub(super) fn check(args: &CheckArgs, out: &mut dyn Write) -> Result<(), CliErro
 ///
 /// # Errors
 /// What keeps the run from being built, all at once.
-pub fn assess(run: &Run, mut warned: impl FnMut(&[String])) -> Result<Report, CliError> {
-    let mut warnings: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
-    // An output that exists stands in the way of a run, not of a look at the scenario.
-    warnings.extend(outputs::preflight(&run.sinks).iter().map(ToString::to_string));
-    warned(&warnings);
-    let first = warnings.len();
-    let models = models(run);
-    let mut found = Found { models, warnings, tracks: Vec::new(), sea: None, plan: None, forecast: None };
-    let unknown = without_trajectory(run);
-    if unknown.is_empty() {
-        found.predict(run)?;
-    } else {
-        // What needs a trajectory is left out, rather than predicted of a wrong one.
-        found.warnings.extend(unknown);
-    }
-    warned(&found.warnings[first..]);
-    Ok(report(run, &found))
+pub fn assess(run: &Run, warned: impl FnMut(&[String])) -> Result<Report, CliError> {
+    Ok(report(run, &Assessment::of(run, warned)?))
 }
 
-/// Live platforms of which nothing is known beforehand.
-fn without_trajectory(run: &Run) -> Vec<String> {
-    let live = |(name, nav): (&String, &PlatformNav)| match &nav.truth {
-        TrackSource::Live(source) if source.nominal.is_none() => Some(format!(
-            "platform '{name}' is live, and where it will be is not known: sea, window, plan and speed are not predicted; \
-             a nominal trajectory (track.nominal) lets check predict them"
-        )),
-        _ => None,
-    };
-    run.scene.platforms.iter().zip(&run.nav).filter_map(live).collect()
-}
-
-impl Found {
-    /// What follows from the tracks: how sea, horizon, polarisation and receiver fit, settings, speed.
-    fn predict(&mut self, run: &Run) -> Result<(), CliError> {
-        let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
-        let stream = build::on_nominal_tracks(&unrecorded, 0..run.scene.pulses)?;
-        for note in stream.notes() {
-            let what = format!("{}, {} track", note.platform, note.role);
-            self.tracks.push(described(&what, note.report.to_string()));
-        }
-        self.sea = adequacy(run)?;
-        if let Some(sea) = &mut self.sea {
-            sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;
-            let strong = sea.edge_db.filter(|edge| *edge > EDGE_BUDGET_DB);
-            sea.warnings.extend(strong.map(|edge_db| SeaWarning::Edge { edge_db }));
-        }
-        self.warnings.extend(hidden_targets::warnings(&stream).map_err(BuildErrors::from)?);
-        self.warnings.extend(self.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
-        self.warnings.extend(polarisation(run)?.iter().map(ToString::to_string));
-        self.plan(run, &stream);
-        if let Some((points, in_cell)) = stream.factory().rain()
-            && let Some(row) = self.models.with.iter_mut().find(|row| row.what == RAIN)
-        {
-            row.how += &format!("; {points:.0} points at a pulse, {in_cell} in a resolution cell");
-            if in_cell < drops::DROPS {
-                row.how += &format!(": {} would make more than {} at some pulse", drops::DROPS, drops::MOST);
-            }
-        }
-        self.warnings.extend(plausible::targets(run)?.iter().map(ToString::to_string));
-        let forecast = stream.resources(&run.scene.radar).map_err(BuildErrors::from)?;
-        let levels = forecast.converter.iter().flat_map(|converter| converter.warnings());
-        self.warnings.extend(levels.map(|warning| warning.to_string()));
-        if forecast.real_time_factor < 1.0 && run.stream.pace == Pace::Realtime {
-            self.warnings.push(format!(
-                "{} times real time on this machine: a run in real time falls behind; --pace fast, or stream.pace = \"fast\"",
-                digits(forecast.real_time_factor)
-            ));
-        }
-        self.forecast = Some(forecast);
-        Ok(())
-    }
-
-    /// What is predicted of the settings takes the place of what was asked.
-    fn plan(&mut self, run: &Run, stream: &PulseStream) {
-        let Some(planned) = stream.factory().plan() else { return };
-        let speed = stream.threads() as f64 / CostTable::TABLE.seconds(&planned.work);
-        let factor = speed / run.scene.radar.emissions.mean_prf_hz();
-        self.warnings.extend(not_kept(planned));
-        for row in self.models.with.iter_mut().filter(|row| row.what == ECHO) {
-            row.how = echo_text(planned);
-        }
-        self.plan = Some(PlanReport::new(planned, factor, stream.predicted_bytes()));
-    }
-}
-
-fn report(run: &Run, found: &Found) -> Report {
+fn report(run: &Run, found: &Assessment) -> Report {
     let mut report = scenario_report(run);
-    let Found { models, warnings, tracks, sea, plan, forecast } = found;
+    let Assessment { models, warnings, tracks, sea, plan, resources: forecast } = found;
     let platforms = scenario::platforms(run);
     report.section("platforms", &platforms).value("platforms", &platforms);
     report.section("modelled", &models.with).value("modelled", &models.with);

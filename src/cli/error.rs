@@ -1,102 +1,40 @@
 //! Why a command ends early.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::nav::NavToolError;
-use super::sea::SeaError;
-use super::table::TableError;
-use super::values::OutOfRange;
+use super::escape::{name as one_line, path as shown};
+use crate::adequacy::sea_map::SeaMapError;
 use crate::bench::clutter::ClutterError;
 use crate::bench::speed::SpeedError;
-use crate::cli::examine::error::ExamineError;
-use crate::cli::focus::error::FocusError;
-use crate::config::ConfigError;
-#[cfg(feature = "monitor")]
-use crate::monitor::{MonitorFault, replay::ReplayError};
-use crate::pipeline::build::RunFailure;
-use crate::pipeline::control_lines::ControlFault;
-use crate::pipeline::fault::BuildErrors;
-use crate::radar::pattern::PatternError;
-use crate::receive::ReceiveError;
-use crate::recording::RecordingError;
-use crate::recording::crsd::ExportError;
-#[cfg(feature = "hdf5")]
-use crate::recording::merge::MergeError;
-use crate::recording::shard::Shard;
+use crate::plot::canvas::PictureFileError;
+use crate::processor::focus::FocusError;
+use crate::recording::field_file::FieldFileError;
 
-/// Why a command ends early.
+/// What was asked for, and cannot be: exit 2.
 #[derive(Debug, Error)]
-pub enum CliError {
-    /// The scenario is wrong.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// Standard output cannot be written.
-    #[error("cannot write to standard output: {0}")]
-    Output(#[source] io::Error),
-    /// The run cannot be built: tracks, patterns, waveform, outputs.
-    #[error(transparent)]
-    Build(#[from] BuildErrors),
-    /// The run failed.
-    #[error("{0}")]
-    Run(Box<RunFailure>),
-    /// Recordings cannot be joined.
-    #[cfg(feature = "hdf5")]
-    #[error(transparent)]
-    Merge(#[from] MergeError),
-    /// A recording that is not read.
-    #[error(transparent)]
-    Examine(#[from] ExamineError),
-    /// A recording that cannot be read.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
+pub enum Refused {
+    /// A value that an option does not take.
+    #[error("{key} {value} is not allowed; allowed: {allowed}")]
+    NotAllowed { key: &'static str, value: String, allowed: String },
+    /// Options that do not go together, or not with what they are about.
+    #[error("{asked}: allowed: {allowed}")]
+    Value { asked: String, allowed: String },
+    /// Shards without a pulse.
+    #[error("--shard {shard}: the run has {pulses} pulses; allowed: at most as many shards")]
+    MoreShardsThanPulses { shard: crate::recording::shard::Shard, pulses: u64 },
+    /// A map asked of a build without HDF5.
+    #[error(
+        "this build has no HDF5 (feature `hdf5`): {} cannot be made; allowed: --png, --save-state",
+        shown(.0)
+    )]
+    NoHdf5Map(PathBuf),
     /// Joining asked of a build without HDF5.
     #[cfg(not(feature = "hdf5"))]
     #[error("`nereus merge` joins HDF5 recordings, and this build has no HDF5 (feature `hdf5`)")]
     MergeNeedsHdf5,
-    /// An antenna pattern.
-    #[error(transparent)]
-    Pattern(#[from] PatternError),
-    /// No handler for Ctrl-C.
-    #[error("cannot listen for Ctrl-C: {0}")]
-    Signal(#[source] ctrlc::Error),
-    /// `--out` with several recordings.
-    #[error(
-        "--out {} does not say which of {recordings} recordings; allowed with one, else --set sink.<n>.path=...",
-        super::escape::path(out)
-    )]
-    WhichSink {
-        /// What was asked.
-        out: PathBuf,
-        /// Recordings of the scenario.
-        recordings: usize,
-    },
-    /// Shards without a pulse.
-    #[error("--shard {shard}: the run has {pulses} pulses; allowed: at most as many shards")]
-    MoreShardsThanPulses {
-        /// What was asked.
-        shard: Shard,
-        /// Pulses of the run.
-        pulses: u64,
-    },
-    /// An HDF5 file asked of a build without HDF5.
-    #[error(
-        "this build has no HDF5 (feature `hdf5`): --out {} cannot be an HDF5 file; allowed: a folder",
-        super::escape::path(out)
-    )]
-    NoHdf5 {
-        /// What was asked.
-        out: PathBuf,
-    },
-    /// No control.
-    #[error(transparent)]
-    Control(#[from] ControlFault),
-    /// No live page.
-    #[cfg(feature = "monitor")]
-    #[error(transparent)]
-    Monitor(#[from] MonitorFault),
     /// A live page asked of a build without it.
     #[cfg(not(feature = "monitor"))]
     #[error(
@@ -108,100 +46,201 @@ pub enum CliError {
         "--monitor-control has no page to act through; allowed: together with --monitor ADDR or stream.monitor"
     )]
     ControlWithoutMonitor,
-    /// A value out of range.
-    #[error(transparent)]
-    Range(#[from] OutOfRange),
-    /// The keys of a table.
-    #[error(transparent)]
-    Table(#[from] TableError),
-    /// Recorded navigation.
-    #[error(transparent)]
-    Nav(#[from] NavToolError),
-    /// No map of the sea.
-    #[error(transparent)]
-    Sea(#[from] SeaError),
-    /// No image of a recording.
-    #[error(transparent)]
-    Focus(#[from] FocusError),
-    /// A recording that is not whole.
-    #[error("{}: not whole: {faults} {}", super::escape::path(path), if *faults == 1 { "fault" } else { "faults" })]
-    NotWhole {
-        /// The recording.
-        path: PathBuf,
-        /// Faults found.
-        faults: u64,
-    },
-    /// A recording that cannot be exported.
-    #[error(transparent)]
-    Export(#[from] ExportError),
-    /// No statistics of speckle.
-    #[error(transparent)]
-    Clutter(#[from] ClutterError),
-    /// Nothing can be received.
-    #[error(transparent)]
-    Receive(#[from] ReceiveError),
-    /// No figures.
-    #[error(transparent)]
-    Speed(#[from] SpeedError),
+    /// Something that the scenario does not have.
+    #[error("{}: the scenario has no {what}", shown(path))]
+    Without { path: PathBuf, what: &'static str },
+    /// A channel that the scenario does not have.
+    #[error("no channel '{name}'; allowed: {known}")]
+    NoChannel { name: String, known: String },
+    /// A pulse that the run does not have.
+    #[error("pulse {pulse} is not part of the run; allowed: 0 to {}", pulses.saturating_sub(1))]
+    NoPulse { pulse: u64, pulses: u64 },
+    /// A channel that is not in the recording.
+    #[error("channel {} is not in the recording; allowed: {allowed}", one_line(name))]
+    Channel { name: String, allowed: String },
+    /// A channel that carries no echo.
+    #[error(
+        "channel {} is a calibration channel ({}) and carries no echo; allowed: {allowed}",
+        one_line(name),
+        one_line(kind)
+    )]
+    Calibration { name: String, kind: String, allowed: String },
+    /// A recording to compare with that is of something else.
+    #[error(
+        "--against {}: its {what} differ; allowed: a recording of the same radar, pulses and targets",
+        shown(path)
+    )]
+    Against { path: PathBuf, what: &'static str },
+    /// Pixels that no law of speckle can be fitted to.
+    #[error("--speckle, channel {}: {source}", one_line(channel))]
+    Speckle { channel: String, source: crate::clutter::fits::SpeckleError },
+    /// Modulation that nothing in the table would show.
+    #[error(
+        "--modulated has no effect with --splitting mars2007, which tilts nothing within a facet; allowed: --splitting consistent"
+    )]
+    Unmodulated,
+    /// More rows than a table may have.
+    #[error("these keys make a table of {rows} rows; allowed: at most {most}")]
+    Rows { rows: usize, most: usize },
+    /// More seas than a table may prepare.
+    #[error("these keys ask for {seas} different seas, each with its integrals; allowed: at most {most}")]
+    Seas { seas: usize, most: usize },
+    /// A list and a sweep of the same key.
+    #[error("{key} and {sweep_key} both say which values to take; allowed: one of them")]
+    Both { key: &'static str, sweep_key: &'static str },
+    /// A height without the speed that holds there.
+    #[error("--wind-height-m is the height of a wind speed; allowed with --wind-mps or a sweep of it")]
+    HeightAlone,
+    /// A key that means nothing to the chosen kind of spectrum.
+    #[error("{key} means nothing to --kind {kind}; allowed with {allowed}")]
+    Foreign { key: &'static str, kind: &'static str, allowed: &'static str },
+    /// A measured spectrum without its file.
+    #[error("--kind measured needs --spectrum-path FILE")]
+    NoFile,
+    /// A wind too weak for the law asked.
+    #[error("a wind of {u10_mps} m/s at 10 m raises no waves; allowed: at least {least_mps} m/s")]
+    Calm { u10_mps: f64, least_mps: f64 },
+    /// Navigation that is not georeferenced.
+    #[error(
+        "{}: positions are in the frame of a scene (x_m, y_m, z_m); allowed: lat_deg, lon_deg, height_m",
+        shown(.0)
+    )]
+    Local(PathBuf),
+    /// A name without a known format of navigation.
+    #[error("{}: its name gives no format; allowed: .csv, .nmea, .inspvax, or --to", shown(.0))]
+    Target(PathBuf),
 }
 
-impl CliError {
-    /// Exit code: 2 when the input is wrong, 1 otherwise.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Recording(RecordingError::File(fault)) if !fault.is_wrong_input() => 1,
-            Self::Clutter(ClutterError::Run(SpeedError::Run(_))) => 1,
-            Self::Config(_)
-            | Self::Build(_)
-            | Self::Pattern(_)
-            | Self::WhichSink { .. }
-            | Self::MoreShardsThanPulses { .. }
-            | Self::NoHdf5 { .. }
-            | Self::Control(_)
-            | Self::ControlWithoutMonitor
-            | Self::Examine(_)
-            | Self::Recording(_)
-            | Self::Range(_)
-            | Self::Table(_)
-            | Self::Clutter(_) => 2,
-            Self::Sea(error) => error.exit_code(),
-            // A full disk is not wrong input, nor is a socket that breaks.
-            Self::Receive(ReceiveError::Record(error)) if !error.is_wrong_input() => 1,
-            Self::Receive(ReceiveError::Socket { .. }) => 1,
-            Self::Receive(_) => 2,
-            Self::Nav(error) => error.exit_code(),
-            Self::Focus(error) => error.exit_code(),
-            Self::Speed(SpeedError::Build(_)) => 2,
-            Self::Speed(SpeedError::Run(_)) => 1,
-            Self::Export(error) => {
-                if error.is_wrong_input() {
-                    2
-                } else {
-                    1
-                }
+impl Refused {
+    /// A value of an option, without its dashes.
+    pub(super) fn value(key: &str, found: impl std::fmt::Display, allowed: impl Into<String>) -> Self {
+        Self::Value { asked: format!("--{key} {found}"), allowed: allowed.into() }
+    }
+}
+
+/// The recording that a fault is about, where it does not bear its name.
+fn named(path: &Path, fault: &FocusError) -> String {
+    if matches!(fault, FocusError::Recording(_)) { String::new() } else { format!("{}: ", shown(path)) }
+}
+
+/// The error of commands: their own, and those of the library, each with whether the input is wrong.
+macro_rules! causes {
+    ($($(#[$when:meta])? $name:ident($source:ty): $about:literal, $is_wrong_input:expr;)*) => {
+        /// Why a command ends early.
+        #[derive(Debug, Error)]
+        pub enum CliError {
+            /// Standard output cannot be written.
+            #[error("cannot write to standard output: {0}")]
+            Output(#[source] io::Error),
+            /// The run failed.
+            #[error("{0}")]
+            Run(Box<crate::pipeline::build::RunFailure>),
+            /// No handler for Ctrl-C.
+            #[error("cannot listen for Ctrl-C: {0}")]
+            Signal(#[source] ctrlc::Error),
+            /// A recording that is not whole.
+            #[error("{}: not whole: {faults} {}", shown(path), if *faults == 1 { "fault" } else { "faults" })]
+            NotWhole {
+                /// The recording.
+                path: PathBuf,
+                /// Faults found.
+                faults: u64,
+            },
+            /// A recording that cannot be focused; what cannot be read bears its name.
+            #[error("{}{source}", named(path, source))]
+            Focus {
+                /// The recording.
+                path: PathBuf,
+                /// Why.
+                source: FocusError,
+            },
+            $($(#[$when])? #[doc = $about] #[error(transparent)] $name(#[from] $source),)*
+        }
+
+        impl CliError {
+            /// Exit code: 2 when the input is wrong, 1 otherwise.
+            pub fn exit_code(&self) -> u8 {
+                let is_wrong_input = match self {
+                    Self::Output(_) | Self::Run(_) | Self::Signal(_) | Self::NotWhole { .. } => false,
+                    Self::Focus { .. } => true,
+                    $($(#[$when])? Self::$name(error) => {
+                        let is_wrong_input: fn(&$source) -> bool = $is_wrong_input;
+                        is_wrong_input(error)
+                    })*
+                };
+                if is_wrong_input { 2 } else { 1 }
             }
-            Self::NotWhole { .. } | Self::Output(_) | Self::Run(_) | Self::Signal(_) => 1,
-            #[cfg(feature = "monitor")]
-            Self::Monitor(_) => 2,
-            #[cfg(not(feature = "monitor"))]
-            Self::NoMonitor => 2,
-            #[cfg(not(feature = "hdf5"))]
-            Self::MergeNeedsHdf5 => 2,
-            // A full disk is not wrong input.
-            #[cfg(feature = "hdf5")]
-            Self::Merge(MergeError::Recording(error)) if !error.is_wrong_input() => 1,
-            #[cfg(feature = "hdf5")]
-            Self::Merge(_) => 2,
+        }
+    };
+}
+
+causes! {
+    Refused(Refused): "What was asked for cannot be.", |_| true;
+    Config(crate::config::ConfigError): "The scenario is wrong.", |_| true;
+    Build(crate::pipeline::fault::BuildErrors): "The run cannot be built.", |_| true;
+    Redirection(crate::sinks::redirection::RedirectionError): "The recording cannot go elsewhere.", |_| true;
+    #[cfg(feature = "hdf5")]
+    Merge(crate::recording::merge::MergeError): "Recordings cannot be joined.", |error| match error {
+        crate::recording::merge::MergeError::Recording(error) => error.is_wrong_input(),
+        _ => true,
+    };
+    Examination(crate::recording::examination::ExaminationError): "A recording that is not read.", |_| true;
+    Recording(crate::recording::RecordingError): "A recording that cannot be read.", |error| match error {
+        crate::recording::RecordingError::File(fault) => fault.is_wrong_input(),
+        _ => true,
+    };
+    Pattern(crate::radar::pattern::PatternError): "An antenna pattern.", |_| true;
+    Control(crate::pipeline::control_lines::ControlFault): "No control.", |_| true;
+    Line(crate::pipeline::control_lines::LineError): "A run refuses a line.", |e| e.is_wrong_input();
+    #[cfg(feature = "monitor")]
+    Monitor(crate::monitor::MonitorFault): "No live page.", |_| true;
+    Export(crate::recording::crsd::ExportError): "A recording is not exported.", |e| e.is_wrong_input();
+    Receive(crate::receive::ReceiveError): "Nothing can be received.", |error| match error {
+        // A full disk is not wrong input, nor is a socket that breaks.
+        crate::receive::ReceiveError::Record(error) => error.is_wrong_input(),
+        crate::receive::ReceiveError::Socket { .. } => false,
+        _ => true,
+    };
+    Speed(SpeedError): "No figures.", |error| matches!(error, SpeedError::Build(_));
+    Clutter(ClutterError): "No speckle.", |e| !matches!(e, ClutterError::Run(SpeedError::Run(_)));
+    Wind(crate::sea::wind::WindError): "A wind of a table.", |_| true;
+    Spectrum(crate::sea::spectrum::SpectrumError): "A spectrum of a table.", |_| true;
+    Hull(crate::scene::hull::HullError): "A hull of a table.", |_| true;
+    Kochin(crate::sea::wake::kochin::KochinError): "A ship's waves.", |_| true;
+    Permittivity(crate::scattering::permittivity::PermittivityError): "The water of a table.", |_| true;
+    Measured(crate::scattering::clutter_nrl::ClutterError): "A model of measured clutter.", |_| true;
+    Realise(crate::sea::realise::RealiseError): "Wind, spectrum, grid or saved state of a sea.", |_| true;
+    Surface(crate::sea::wake::WakeError): "A sea at a time out of range.", |_| true;
+    State(crate::sea::surface::StateError): "The state of a sea cannot be written.", |_| false;
+    File(crate::recording::output::OutputError): "A file cannot be made.", |e| e.is_wrong_input();
+    Fields(FieldFileError): "No map or image.", |e| !matches!(e, FieldFileError::Hdf5 { .. });
+    Picture(crate::plot::picture::PictureError): "A picture cannot be drawn.", |_| true;
+    Plot(crate::plot::chart::PlotError): "A plot cannot be drawn.", |_| true;
+    PictureFile(PictureFileError): "A picture cannot be written.", |error| match error {
+        PictureFileError::Output(error) => error.is_wrong_input(),
+        PictureFileError::Png(_) => false,
+    };
+    Inspection(crate::nav::inspection::InspectionError): "Recorded navigation cannot be read.", |_| true;
+    NavOutput(crate::pipeline::nav_output::NavOutputError): "Navigation is not sent on.", |e| e.is_wrong_input();
+    Device(crate::sinks::port::NotADevice): "Not a device.", |_| true;
+}
+
+impl From<SeaMapError> for CliError {
+    fn from(error: SeaMapError) -> Self {
+        match error {
+            SeaMapError::Realise(error) => error.into(),
+            SeaMapError::Build(error) => error.into(),
+            SeaMapError::Surface(error) => error.into(),
         }
     }
 }
 
 #[cfg(feature = "monitor")]
-impl From<ReplayError> for CliError {
-    fn from(error: ReplayError) -> Self {
+impl From<crate::monitor::replay::ReplayError> for CliError {
+    fn from(error: crate::monitor::replay::ReplayError) -> Self {
         match error {
-            ReplayError::Recording(error) => error.into(),
-            ReplayError::Monitor(fault) => fault.into(),
+            crate::monitor::replay::ReplayError::Recording(error) => error.into(),
+            crate::monitor::replay::ReplayError::Monitor(fault) => fault.into(),
         }
     }
 }

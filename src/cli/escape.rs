@@ -6,19 +6,14 @@
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-use crate::inputs::{acts, one_line, written_out};
+use crate::inputs::{acts, written_out};
 
-/// A path, on one line.
-pub(super) use crate::inputs::shown as path;
+/// A name from elsewhere, and a path, on one line.
+pub(super) use crate::inputs::{one_line as name, shown as path};
 
 /// The text with such characters written out; its lines stay.
 pub(super) fn printable(text: &str) -> Cow<'_, str> {
     written_out(text, |c| acts(c) && !matches!(c, '\n' | '\t'))
-}
-
-/// A name from elsewhere, on one line.
-pub(super) fn name(text: &str) -> Cow<'_, str> {
-    one_line(text)
 }
 
 /// Writes text on, made printable. What is written at a time must be whole characters, as `write!` has it.

@@ -8,7 +8,7 @@ use clap::Args;
 use super::error::CliError;
 use super::scenario::OutputArgs;
 #[cfg(feature = "hdf5")]
-use super::{escape, json, report::Report};
+use super::{escape, report::Report};
 
 /// `nereus merge`
 #[derive(Debug, Args)]
@@ -28,12 +28,10 @@ pub struct MergeArgs {
 #[cfg(feature = "hdf5")]
 pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliError> {
     for shard in &args.shards {
-        super::examine::examine(shard)?;
+        crate::recording::examination::examine(shard)?;
     }
-    let mut merged = crate::recording::merge::merge(&args.shards, &args.out, args.output.overwrite.force)?;
+    let merged = crate::recording::merge::merge(&args.shards, &args.out, args.output.overwrite.force)?;
     let (path, shards) = (escape::path(&merged.out), merged.shards.len());
-    merged.out = json::legible(&merged.out);
-    merged.shards = json::all_legible(&merged.shards);
     let mut report = Report::default();
     report.values(&merged);
     if !args.output.format.json {
@@ -48,5 +46,5 @@ pub(super) fn merge(args: &MergeArgs, out: &mut dyn Write) -> Result<(), CliErro
 /// A build without HDF5 has nothing to join.
 #[cfg(not(feature = "hdf5"))]
 pub(super) fn merge(_args: &MergeArgs, _out: &mut dyn Write) -> Result<(), CliError> {
-    Err(CliError::MergeNeedsHdf5)
+    Err(super::error::Refused::MergeNeedsHdf5.into())
 }

@@ -8,14 +8,12 @@ mod bench;
 mod check;
 mod error;
 mod escape;
-mod examine;
 mod export;
 mod focus;
 mod json;
 mod merge;
 mod monitor;
 mod nav;
-mod outputs;
 mod new;
 mod progress;
 mod receive;
@@ -33,6 +31,8 @@ mod wake;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::Parser;
@@ -40,37 +40,9 @@ use clap::Parser;
 use crate::units::counted;
 
 pub use args::{Arguments, Command};
-pub use bench::BenchArgs;
-pub use check::{CheckArgs, assess};
+pub use check::assess;
 pub use error::CliError;
-pub use examine::error::ExamineError;
-pub use examine::{ExamineArgs, called_by};
-pub use export::{ExportArgs, ExportCommand, ExportCrsdArgs, ExportSigmfArgs};
-pub use focus::error::FocusError;
-pub use focus::{FocusArgs, FocusFilter, FocusNav, FocusTaper};
-pub use merge::MergeArgs;
-pub use monitor::MonitorArgs;
-pub use nav::{
-    NavArgs, NavCommand, NavConvertArgs, NavCorruptArgs, NavInjectArgs, NavInspectArgs, NavPlayArgs,
-    NavToolError,
-};
-pub use new::{NewArgs, Template};
-pub use receive::ReceiveArgs;
-pub use run::{Pace, RunArgs};
-pub use scenario::ScenarioArgs;
-pub use sea::snapshot::SnapshotArgs;
-pub use sea::{Field, SeaArgs, SeaError, SeaMap, sea_at};
-pub use speckle::SpeckleArgs;
-pub use table::{
-    Aperture, Cut, Quantity, TableAntennaArgs, TableArgs, TableError, TableFacetDensityArgs,
-    TableFresnelArgs, TableHullArgs, TableLeastLengthArgs, TableMomentsArgs, TablePermittivityArgs,
-    TableSigma0Args, TableSlopePdfArgs, TableSpectrumArgs, TableSpreadingArgs, TableWakeResistanceArgs,
-    TableWindArgs, Transom,
-};
-pub use tradeoff::TradeoffArgs;
-pub use values::{NotACount, NotADuration, NotASpan, PulseRange, Setting};
-pub use verify::VerifyArgs;
-pub use wake::WakeArgs;
+pub use sea::sea_at;
 
 /// Runs the program.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -114,6 +86,19 @@ fn report_large_files() {
 #[cfg(not(unix))]
 fn report_large_files() {}
 
+/// What Ctrl-C sets. The second signal of an impatient user ends the program where it is, if that is `ended`.
+fn stopped_by_signal(ended: bool) -> Result<Arc<AtomicBool>, CliError> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let (asked, signalled) = (Arc::clone(&stop), AtomicBool::new(false));
+    let set = ctrlc::set_handler(move || {
+        asked.store(true, Ordering::Release);
+        if signalled.swap(true, Ordering::AcqRel) && ended {
+            std::process::exit(130);
+        }
+    });
+    set.map(|()| stop).map_err(CliError::Signal)
+}
+
 /// A line for people. A standard error that cannot be written is no reason to lose a run.
 fn say(line: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{}", escape::printable(&line.to_string()));
@@ -144,12 +129,12 @@ pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Re
         Command::Table(args) => table::table(args, out),
         Command::Merge(args) => merge::merge(args, out),
         Command::Export(args) => export::export(args, out),
-        Command::Monitor(args) => monitor::monitor(args, out),
+        Command::Monitor(args) => monitor::page::replay(args),
         Command::Verify(args) => verify::verify(args, out),
         Command::Focus(args) => focus::focus(args, out),
         Command::Speckle(args) => speckle::speckle(args, out),
         Command::Receive(args) => receive::receive(args, out),
         Command::Nav(args) => nav::nav(args, out),
-        Command::ExamineRecording(args) => examine::examine_here(args),
+        Command::ExamineRecording(args) => verify::examine_here(args),
     }
 }

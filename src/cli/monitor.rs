@@ -1,11 +1,11 @@
 //! The live page: `nereus run --monitor` and `nereus monitor`.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::error::CliError;
+use super::values::{Allowed, allowed};
 
 /// `nereus monitor`
 #[derive(Debug, Args)]
@@ -23,33 +23,25 @@ pub struct MonitorArgs {
     pub once: bool,
 }
 
-fn speed(text: &str) -> Result<f64, String> {
+fn speed(text: &str) -> Result<f64, Allowed> {
     let speed = text.parse().ok().filter(|speed: &f64| (0.001..=1000.0).contains(speed));
-    speed.ok_or_else(|| "allowed: a number from 0.001 to 1000".to_owned())
-}
-
-/// Shows a recording.
-pub(super) fn monitor(args: &MonitorArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    page::replay(args, out)
+    allowed(speed, "a number from 0.001 to 1000")
 }
 
 #[cfg(feature = "monitor")]
 pub(super) mod page {
-    use std::io::Write;
     use std::path::Path;
-    use std::sync::Arc;
-    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::sync::atomic::Ordering;
     use std::thread;
     use std::time::Duration;
 
     use super::{CliError, MonitorArgs};
-    use crate::cli::examine::error::ExamineError;
-    use crate::cli::examine::examine;
-    use crate::cli::{counted, escape, say, warn};
+    use crate::cli::{counted, escape, say, stopped_by_signal, warn};
     use crate::monitor::replay::Replay;
     use crate::monitor::{Endpoint, Monitor, Scenery, queue_pulses};
     use crate::pipeline::build::PulseStream;
     use crate::pipeline::control::Control;
+    use crate::recording::examination::survive;
     use crate::scene::Scene;
     use crate::transport::view::View;
 
@@ -98,12 +90,10 @@ pub(super) mod page {
         }
     }
 
-    pub fn replay(args: &MonitorArgs, _out: &mut dyn Write) -> Result<(), CliError> {
-        // What a damaged recording holds is shown as far as it goes; what kills its reader is not read here.
-        match examine(&args.recording) {
-            Ok(()) | Err(ExamineError::Refused { .. }) => {}
-            Err(fatal) => return Err(fatal.into()),
-        }
+    /// Shows a recording.
+    pub fn replay(args: &MonitorArgs) -> Result<(), CliError> {
+        // What a damaged recording holds is shown as far as it goes.
+        survive(&args.recording)?;
         let endpoint = Endpoint::at(&args.listen)?;
         let url = endpoint.url();
         let open_to_others = endpoint.is_open_to_others();
@@ -112,9 +102,7 @@ pub(super) mod page {
         if open_to_others {
             warn(["other machines can reach the monitor: whoever has its address can see the recording"]);
         }
-        let stop = Arc::new(AtomicBool::new(false));
-        let asked = Arc::clone(&stop);
-        ctrlc::set_handler(move || asked.store(true, Ordering::Release)).map_err(CliError::Signal)?;
+        let stop = stopped_by_signal(false)?;
         let played = replay.play(args.speed, &stop);
         let name = escape::path(&args.recording);
         let pulses = counted(played.pulses, "pulse");
@@ -136,24 +124,21 @@ pub(super) mod page {
 /// A build without the page.
 #[cfg(not(feature = "monitor"))]
 pub(super) mod page {
-    use std::io::Write;
     use std::path::Path;
 
     use super::{CliError, MonitorArgs};
+    use crate::cli::error::Refused;
     use crate::pipeline::build::PulseStream;
     use crate::pipeline::control::Control;
     use crate::scene::Scene;
     use crate::transport::view::View;
 
-    /// There is none.
+    /// There is none, nor one that is shown.
     pub enum Page {}
-
-    /// There is none.
-    pub enum Shown {}
 
     impl Page {
         pub fn at(_: &str) -> Result<Self, CliError> {
-            Err(CliError::NoMonitor)
+            Err(Refused::NoMonitor.into())
         }
 
         pub fn show(
@@ -162,18 +147,16 @@ pub(super) mod page {
             _: &Scene,
             _: &Path,
             _: Option<Control>,
-        ) -> Result<(View, Shown), CliError> {
+        ) -> Result<(View, Self), CliError> {
             match self {}
         }
-    }
 
-    impl Shown {
         pub fn close(self) {
             match self {}
         }
     }
 
-    pub fn replay(_: &MonitorArgs, _: &mut dyn Write) -> Result<(), CliError> {
-        Err(CliError::NoMonitor)
+    pub fn replay(_: &MonitorArgs) -> Result<(), CliError> {
+        Err(Refused::NoMonitor.into())
     }
 }

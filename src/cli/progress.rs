@@ -21,8 +21,7 @@ pub(super) fn watch(total: u64) -> (Sender<Status>, Watcher) {
     watch_of(total, "pulses")
 }
 
-/// The same for other things than pulses.
-pub(super) fn watch_of(total: u64, what: &'static str) -> (Sender<Status>, Watcher) {
+fn watch_of(total: u64, what: &'static str) -> (Sender<Status>, Watcher) {
     let (sender, receiver) = bounded(8);
     let show = move || {
         if std::io::stderr().is_terminal() { bar(&receiver, total, what) } else { lines(&receiver, what) }
@@ -31,11 +30,12 @@ pub(super) fn watch_of(total: u64, what: &'static str) -> (Sender<Status>, Watch
     (sender, Watcher(thread::Builder::new().name("progress".to_owned()).spawn(show).ok()))
 }
 
-/// Focuses and shows how many pulses are in; `image` calls what it is given with these and all of them.
-pub(super) fn focusing<T>(image: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
-    let (status, watcher) = watch_of(0, "pulses focused");
-    let made = image(&|done, total| {
+/// Does some work and shows how far it is; `work` calls what it is given with what is done, and all there is.
+pub(super) fn counting<T>(what: &'static str, work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
+    let (status, watcher) = watch_of(0, what);
+    let made = work(&|done, total| {
         let (passed, total) = (done as u64, total as u64);
+        // Progress that nobody has time to show is not worth waiting for.
         let _ = status.try_send(Status { passed, total, late: 0, dropped: 0 });
     });
     drop(status);

@@ -2,8 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::Args;
@@ -12,13 +10,13 @@ use super::error::CliError;
 use super::report::Report;
 use super::scenario::OutputArgs;
 use super::values::{counts, seconds};
-use super::{counted, escape, json, say};
+use super::{counted, escape, say, stopped_by_signal};
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::outputs;
 use crate::receive::listener::{Opener, Senders, Until, senders};
 use crate::receive::report::Report as Reception;
 use crate::receive::{Listener, parts};
-use crate::sinks::{self, Kind, names_hdf5};
+use crate::sinks::{self, Kind, redirection};
 
 /// `nereus receive`
 #[derive(Debug, Args)]
@@ -64,14 +62,7 @@ pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), Cli
     let notice: Option<fn(&str)> = Some(|line| say(format_args!("warning: {line}")));
     let senders = Senders { from, restart: args.restart, next, older, notice };
     let listener = Listener::bind(&args.listen)?.with(senders);
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        if asked.swap(true, Ordering::AcqRel) {
-            std::process::exit(130);
-        }
-    })
-    .map_err(CliError::Signal)?;
+    let stop = stopped_by_signal(true)?;
     say(format_args!(
         "listening at {}, room for {} KiB of datagrams",
         listener.address(),
@@ -96,9 +87,7 @@ fn preflight(kinds: impl Iterator<Item = Kind>) -> Result<(), CliError> {
 
 /// What makes the recording, when what is allowed has been looked at.
 fn opener(path: &Path, force: bool) -> Result<Opener, CliError> {
-    if names_hdf5(path) && !cfg!(feature = "hdf5") {
-        return Err(CliError::NoHdf5 { out: path.to_owned() });
-    }
+    redirection::check_name(path)?;
     preflight(std::iter::once(Kind::recording_at(path, force)))?;
     Ok(parts::opener(path.to_owned(), force))
 }
@@ -106,7 +95,7 @@ fn opener(path: &Path, force: bool) -> Result<Opener, CliError> {
 /// Pulses, gaps, order, datagrams, and what is known of sender, time and platforms.
 fn show(found: &Reception) -> Report {
     let mut report = Report::default();
-    report.values(Reception { out: json::all_legible(&found.out), ..found.clone() });
+    report.values(found);
     let number = |pulse: Option<u64>| pulse.map_or("none".to_owned(), |pulse| pulse.to_string());
     let [first, last] = [found.first_pulse, found.last_pulse].map(number);
     report.row(

@@ -6,6 +6,7 @@
 
 use std::fmt::Write as _;
 use std::io::Write;
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -69,6 +70,12 @@ impl Report {
             Err(fault) => self.fault = Some(fault),
         }
         self
+    }
+
+    /// Paths as a value of the JSON object, which is Unicode: it must not be lost because a path is not.
+    pub fn paths(&mut self, key: &str, paths: impl IntoIterator<Item = impl AsRef<Path>>) -> &mut Self {
+        let legible = |path: &dyn AsRef<Path>| path.as_ref().to_string_lossy().into_owned();
+        self.value(key, paths.into_iter().map(|path| legible(&path)).collect::<Vec<_>>())
     }
 
     /// Every field of a struct as a value of the JSON object.

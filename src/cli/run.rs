@@ -2,18 +2,17 @@
 
 use std::io::Write;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use super::error::CliError;
+use super::error::{CliError, Refused};
 use super::monitor::page::Page;
 use super::report::Report;
 use super::scenario::{OutputArgs, ScenarioArgs};
-use super::values::{PulseRange, duration};
-use super::{counted, escape, json, progress, say, warn};
+use super::values::{PulseRange, Word, duration, one_of};
+use super::{counted, escape, progress, say, stopped_by_signal, warn};
 use crate::adequacy::adequacy;
 use crate::config::Run;
 use crate::nav::{AttitudeSource, TrackSource};
@@ -23,18 +22,15 @@ use crate::pipeline::live::FlightReport;
 use crate::pipeline::plausible::{self, ChannelReport, ConverterReport, PhysicsWarning};
 use crate::pulse::log::Entry;
 use crate::recording::shard::Shard;
+use crate::sinks::redirection::redirect;
 use crate::sinks::sink::SinkReport;
-use crate::sinks::{self, Kind, names_crsd, names_hdf5};
-use crate::transport;
+use crate::transport::Pace;
 
 /// How pulses are released.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Pace {
-    /// At their emission times plus the latency
-    Realtime,
-    /// As soon as they are made
-    Fast,
-}
+const PACES: [Word<Pace>; 2] = [
+    ("realtime", "At their emission times plus the latency", Pace::Realtime),
+    ("fast", "As soon as they are made", Pace::Fast),
+];
 
 /// `nereus run`
 #[derive(Debug, Args)]
@@ -44,7 +40,7 @@ pub struct RunArgs {
     #[command(flatten)]
     pub scenario: ScenarioArgs,
     /// Release pulses in real time or as fast as they are made (instead of stream.pace)
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = one_of(PACES))]
     pub pace: Option<Pace>,
     /// Length of the run (instead of scene.duration_s)
     #[arg(long, value_name = "S", value_parser = duration)]
@@ -89,16 +85,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     for note in stream.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
     }
-    let stop = Arc::new(AtomicBool::new(false));
-    let (asked, signalled) = (Arc::clone(&stop), AtomicBool::new(false));
-    ctrlc::set_handler(move || {
-        asked.store(true, Ordering::Release);
-        // The second signal of an impatient user ends the program where it is.
-        if signalled.swap(true, Ordering::AcqRel) {
-            std::process::exit(130);
-        }
-    })
-    .map_err(CliError::Signal)?;
+    let stop = stopped_by_signal(true)?;
     let (status, watcher) = progress::watch(stream.schedule().count);
     let live = stream.live_navigation();
     if let (Some(live), Some(nominal)) = (&live, stream.nominal()) {
@@ -161,17 +148,6 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     outcome.result.map_err(|error| CliError::Run(Box::new(error)))
 }
 
-/// What a sink did, as JSON can hold it.
-fn legible(report: &SinkReport) -> SinkReport {
-    let all = json::all_legible;
-    SinkReport {
-        files: all(&report.files),
-        kept: all(&report.kept),
-        gone: all(&report.gone),
-        ..report.clone()
-    }
-}
-
 /// How the latency of a run suits its live navigation.
 fn latency(run: &Run, needed_s: f64, latency_s: f64) {
     let needed_ms = (needed_s * 1e3).ceil();
@@ -203,7 +179,7 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
     let (late, dropped) = (health.late, health.dropped);
     report
         .line(format!("{how} {pulses} in {elapsed_s:.2} s: {late} late{held_up}, {dropped} dropped; {made}"));
-    if run.stream.pace == transport::Pace::Realtime && health.pulses > 0 {
+    if run.stream.pace == Pace::Realtime && health.pulses > 0 {
         let lateness = &health.lateness_us;
         report.line(format!(
             "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms; pacer at {} priority",
@@ -231,7 +207,7 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
 /// What each sink holds or has sent.
 fn add_recordings(report: &mut Report, outcome: &RunOutcome) {
     let sinks: Vec<&SinkReport> = outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
-    report.value("out", sinks.iter().map(|sink| legible(sink)).collect::<Vec<_>>());
+    report.value("out", &sinks);
     for sink in sinks {
         let name = &sink.name;
         if let Some(port) = sink.port.filter(|port| port.lost_messages > 0 || port.vanished > 0) {
@@ -350,16 +326,11 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     run.control = args.control.is_some() || args.monitor_control;
     run.monitor = args.monitor.clone().or(run.monitor);
     if args.monitor_control && run.monitor.is_none() {
-        return Err(CliError::ControlWithoutMonitor);
+        return Err(Refused::ControlWithoutMonitor.into());
     }
-    if let Some(pace) = args.pace {
-        run.stream.pace = match pace {
-            Pace::Realtime => transport::Pace::Realtime,
-            Pace::Fast => transport::Pace::Fast,
-        };
-    }
+    run.stream.pace = args.pace.unwrap_or(run.stream.pace);
     if let Some(out) = &args.out {
-        redirect(&mut run, out)?;
+        redirect(&mut run.sinks, out)?;
     }
     if args.output.overwrite.force {
         run.sinks.iter_mut().for_each(|sink| sink.kind.overwrite());
@@ -367,55 +338,9 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     run.shard = args.shard;
     let all = run.scene.pulses;
     let pulses = match (args.shard, args.pulses) {
-        (Some(shard), _) => shard.pulses(all).ok_or(CliError::MoreShardsThanPulses { shard, pulses: all })?,
-        (None, Some(range)) => range.first..range.end,
+        (Some(shard), _) => shard.pulses(all).ok_or(Refused::MoreShardsThanPulses { shard, pulses: all })?,
+        (None, Some(range)) => range.into(),
         (None, None) => 0..all,
     };
     Ok((run, pulses))
-}
-
-/// Sends the recording elsewhere, or replaces the null sink where the scenario has none.
-fn redirect(run: &mut Run, out: &Path) -> Result<(), CliError> {
-    let mut paths: Vec<&mut PathBuf> =
-        run.sinks.iter_mut().filter_map(|sink| sink.kind.recording_path()).collect();
-    match &mut paths[..] {
-        [path] => {
-            **path = out.to_owned();
-            record_as_named(run, out);
-        }
-        [] => {
-            if names_hdf5(out) && !cfg!(feature = "hdf5") {
-                return Err(CliError::NoHdf5 { out: out.to_owned() });
-            }
-            let kind = Kind::recording_at(out, false);
-            // A resolved run has at least one sink. One that sends goes on sending.
-            match run.sinks.iter_mut().find(|sink| sink.kind == Kind::Null) {
-                Some(sink) => sink.kind = kind,
-                None => {
-                    let queue_pulses = run.sinks.first().map_or(64, |sink| sink.queue_pulses);
-                    run.sinks.push(sinks::Settings { kind, queue_pulses });
-                }
-            }
-        }
-        several => {
-            return Err(CliError::WhichSink { out: out.to_owned(), recordings: several.len() });
-        }
-    }
-    Ok(())
-}
-
-/// A recording whose new name ends as HDF5 or CRSD becomes one, where this build can make it.
-fn record_as_named(run: &mut Run, out: &Path) {
-    let (to_hdf5, to_crsd) = (cfg!(feature = "hdf5") && names_hdf5(out), names_crsd(out));
-    for sink in &mut run.sinks {
-        match &sink.kind {
-            Kind::Plain { path, force } | Kind::Crsd { path, force } if to_hdf5 => {
-                sink.kind = Kind::Hdf5 { path: path.clone(), segment_s: None, force: *force };
-            }
-            Kind::Plain { path, force } | Kind::Hdf5 { path, force, .. } if to_crsd => {
-                sink.kind = Kind::Crsd { path: path.clone(), force: *force };
-            }
-            _ => {}
-        }
-    }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::values::{Setting, threads};
+use super::warn;
 use crate::config::{self, ConfigError, Run};
 use crate::transport::Pace;
 
@@ -71,6 +72,13 @@ impl ScenarioArgs {
         }
     }
 
+    /// The run that is asked for, nothing of which goes to its sinks; warnings of the rest are shown.
+    pub(super) fn load_and_warn(&self) -> Result<Run, ConfigError> {
+        let run = self.load(&[])?;
+        warn_of_scene(&run);
+        Ok(run)
+    }
+
     /// The run as it is measured: without sinks, as fast as it can.
     pub(super) fn load_to_measure(
         &self,
@@ -84,6 +92,11 @@ impl ScenarioArgs {
         run.stream.pace = Pace::Fast;
         Ok(run)
     }
+}
+
+/// Shows what is suspicious of a scenario apart from its sinks.
+pub(super) fn warn_of_scene(run: &Run) {
+    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
 }
 
 impl MeasuredArgs {

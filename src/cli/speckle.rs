@@ -4,20 +4,20 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::PathBuf;
-use std::str::FromStr;
 use std::time::Instant;
 
 use clap::Args;
 
 use super::error::CliError;
-use super::outputs::{TableAndPicture, channel_number, save_canvas};
 use super::report::Report;
-use super::scenario::{OutputArgs, ScenarioArgs};
-use super::sea::SeaError;
-use super::values::{counts, distinct, threads};
-use super::{counted, escape, json, progress, say, warn};
+use super::scenario::{OutputArgs, ScenarioArgs, warn_of_scene};
+use super::sea::sea_of;
+use super::sea::snapshot::channel_of;
+use super::values::{Allowed, allowed, counts, distinct, threads};
+use super::{counted, escape, progress, say};
 use crate::bench::clutter::{Azimuth, OverAzimuth, Winds, over_azimuth};
 use crate::bench::clutter_files;
+use crate::bench::table_and_picture::TableAndPicture;
 use crate::clutter::Kind;
 use crate::clutter::fits::SpeckleSettings;
 use crate::config::Run;
@@ -38,7 +38,7 @@ pub struct SpeckleArgs {
     pub channel: Vec<String>,
     /// Most pixels of the image across the look and along it; each is a resolution cell, and all lie on the
     /// patch
-    #[arg(long, value_name = "X,Y", default_value = "500,1500")]
+    #[arg(long, value_name = "X,Y", default_value = "500,1500", value_parser = pixels)]
     pub pixels: Pixels,
     /// Samples drawn from a fitted law for the probability of its distance; 0: none
     #[arg(long, value_name = "N", default_value_t = 99, value_parser = counts(0, 100_000))]
@@ -58,34 +58,24 @@ pub struct SpeckleArgs {
 }
 
 /// `X,Y` of `--pixels`.
-#[derive(Clone, Copy, Debug)]
-pub struct Pixels([usize; 2]);
+type Pixels = [usize; 2];
 
-/// Not `X,Y`.
-#[derive(Clone, Debug, thiserror::Error)]
-#[error("allowed: two whole numbers X,Y such as 500,1500")]
-pub struct NotPixels;
-
-impl FromStr for Pixels {
-    type Err = NotPixels;
-
-    fn from_str(text: &str) -> Result<Self, NotPixels> {
-        let (x, y) = text.split_once(',').ok_or(NotPixels)?;
-        let number = |text: &str| text.trim().parse().map_err(|_| NotPixels);
-        Ok(Self([number(x)?, number(y)?]))
-    }
+fn pixels(text: &str) -> Result<Pixels, Allowed> {
+    let number = |text: &str| text.trim().parse().ok();
+    let numbers = text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?]));
+    allowed(numbers, "two whole numbers X,Y such as 500,1500")
 }
 
 /// Makes the echo of every azimuth, focuses it, fits and prints.
 pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = args.scenario.load_to_measure(args.threads, &[])?;
-    let Some(sea) = &run.scene.sea else { return Err(SeaError::NoSea { path: run.path }.into()) };
+    let sea = sea_of(&run, &run.path)?;
     let channels = channels(args, &run)?;
-    let winds = Winds::new(&run, sea, channels[0], args.pixels.0)?;
+    let winds = Winds::new(&run, sea, channels[0], args.pixels)?;
     let force = args.output.overwrite.force;
     let plan = |folder: &PathBuf| TableAndPicture::plan(folder, "speckle", FileKind::Speckle, force);
-    let files = args.out.as_ref().map(plan).transpose().map_err(SeaError::from)?;
-    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
+    let files = args.out.as_ref().map(plan).transpose()?;
+    warn_of_scene(&run);
     let settings = SpeckleSettings {
         resamples: usize::try_from(args.resamples).unwrap_or(usize::MAX),
         test_pixels: usize::try_from(args.test_pixels).unwrap_or(usize::MAX),
@@ -102,7 +92,9 @@ pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), Cli
         watcher.finish();
         let echo = echo?;
         for channel in &channels {
-            azimuths.push(progress::focusing(|done| winds.azimuth(&echo, *channel, &settings, done))?);
+            azimuths.push(progress::counting("pulses focused", |done| {
+                winds.azimuth(&echo, *channel, &settings, done)
+            })?);
         }
     }
     let names: Vec<String> =
@@ -116,14 +108,14 @@ pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), Cli
     report.value("seconds", seconds).value("azimuths", &azimuths).value("cosines", &cosines);
     add_azimuths(&mut report, &azimuths);
     add_cosines(&mut report, &cosines);
-    let paths: Vec<PathBuf> = files.iter().flat_map(|files| json::all_legible(&files.paths)).collect();
-    for path in &paths {
+    let paths = files.iter().flat_map(|files| &files.paths);
+    for path in paths.clone() {
         report.line(escape::path(path));
     }
-    report.value("out", paths);
+    report.paths("out", paths);
     if let Some(mut files) = files {
         files.write_table(clutter_files::csv(&azimuths))?;
-        save_canvas(files.picture, &clutter_files::picture(&azimuths, &names).map_err(SeaError::from)?)?;
+        clutter_files::picture(&azimuths, &names)?.save(files.picture)?;
     }
     report.print(args.output.format.json, out)
 }
@@ -174,10 +166,10 @@ fn add_cosines(report: &mut Report, cosines: &[OverAzimuth]) {
     }
 }
 
-fn channels(args: &SpeckleArgs, run: &Run) -> Result<Vec<usize>, SeaError> {
+fn channels(args: &SpeckleArgs, run: &Run) -> Result<Vec<usize>, CliError> {
     if args.channel.is_empty() {
         return Ok((0..run.scene.radar.channels.len()).collect());
     }
     // A channel named twice would count twice in what is fitted over the winds.
-    Ok(distinct(args.channel.iter().map(|name| channel_number(&run.scene, name)).collect::<Result<_, _>>()?))
+    Ok(distinct(args.channel.iter().map(|name| channel_of(run, name)).collect::<Result<_, _>>()?))
 }

@@ -9,25 +9,22 @@ use clap::Args;
 use super::bench::reference;
 use super::error::CliError;
 use super::escape;
-use super::json;
-use super::outputs::{TableAndPicture, save_canvas};
 use super::progress;
 use super::report::Report;
-use super::scenario::{MeasuredArgs, OutputArgs};
-use super::sea::SeaError;
+use super::scenario::{MeasuredArgs, OutputArgs, warn_of_scene};
 use super::values::counts;
-use super::{counted, say, warn};
+use super::{counted, say};
 use crate::bench::accuracy::{self, Judge};
 use crate::bench::plan::settings_text;
 use crate::bench::settings::{ERROR_KEY, settings};
 use crate::bench::sweep::{Effect, Overrides, Point, Sweep, sweep, taken};
 use crate::bench::sweep_files;
+use crate::bench::table_and_picture::TableAndPicture;
 use crate::config::{ConfigError, Run};
 use crate::echo::Fidelity;
 use crate::fidelity::budget::Plan;
 use crate::pipeline::build;
 use crate::recording::output::FileKind;
-use crate::transport::pacer::Status;
 
 /// `nereus tradeoff`
 #[derive(Debug, Args)]
@@ -76,8 +73,8 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     let error_db = if let Fidelity::Fast(asked) = &run.fidelity { asked.error_db } else { DEFAULT_DB };
     let force = args.output.overwrite.force;
     let plan = |folder: &PathBuf| TableAndPicture::plan(folder, "tradeoff", FileKind::Settings, force);
-    let mut files = args.out.as_ref().map(plan).transpose().map_err(SeaError::from)?;
-    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
+    let mut files = args.out.as_ref().map(plan).transpose()?;
+    warn_of_scene(&run);
     let stream = build::on_nominal_tracks(&accuracy::noiseless(&run), 0..run.scene.pulses)?;
     let (threads, facets) = (stream.threads(), stream.factory().facets());
     let block_pulses = stream.factory().block_pulses();
@@ -106,16 +103,15 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     add_points(&mut report, &swept.points);
     add_choice(&mut report, error_db, best, plan.as_ref());
     add_models(&mut report, &swept);
-    let paths: Vec<&PathBuf> = files.iter().flat_map(|files| &files.paths).collect();
-    for path in &paths {
+    let paths = files.iter().flat_map(|files| &files.paths);
+    for path in paths.clone() {
         report.line(escape::path(path));
     }
-    report.value("out", paths.iter().map(|path| json::legible(path)).collect::<Vec<_>>());
+    report.paths("out", paths);
     if let Some(files) = &mut files {
         files.write_table(sweep_files::csv(&swept, best))?;
         let scenario = run.path.file_name().unwrap_or_default().to_string_lossy();
-        let picture = sweep_files::picture(&scenario, &swept, error_db).map_err(SeaError::from)?;
-        save_canvas(files.picture.clone(), &picture)?;
+        sweep_files::picture(&scenario, &swept, error_db)?.save(files.picture.clone())?;
     }
     report.print(args.output.format.json, out)
 }
@@ -129,18 +125,17 @@ fn swept(
     files: &mut Option<TableAndPicture>,
 ) -> Result<Sweep, CliError> {
     say("settings ...");
-    let (status, watcher) = progress::watch_of(0, "settings");
     let mut written = 0;
-    let swept = sweep(judge, run, trial, grid, load, |done, all, sweep| {
-        let _ = status.try_send(Status { passed: done as u64, total: all as u64, late: 0, dropped: 0 });
-        if let Some(files) = files.as_mut().filter(|_| sweep.points.len() > written) {
-            // What cannot be written now is reported at the end, when the whole table is.
-            let _ = files.write_table(sweep_files::csv(sweep, None));
-            written = sweep.points.len();
-        }
+    let swept = progress::counting("settings", |passed| {
+        sweep(judge, run, trial, grid, load, |done, all, sweep| {
+            passed(done, all);
+            if let Some(files) = files.as_mut().filter(|_| sweep.points.len() > written) {
+                // What cannot be written now is reported at the end, when the whole table is.
+                let _ = files.write_table(sweep_files::csv(sweep, None));
+                written = sweep.points.len();
+            }
+        })
     });
-    drop(status);
-    watcher.finish();
     Ok(swept?)
 }
 

@@ -1,93 +1,96 @@
 //! Values of arguments: what is read, and what is refused.
 
+use std::ops::Range;
 use std::str::FromStr;
 use std::time::Duration;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use thiserror::Error;
 
+use super::error::Refused;
 use crate::config::keys::{self, Kind};
 
-/// Not a whole number, or not one that is allowed.
+/// What an option does not take, and what it does.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("allowed: a whole number from {least} to {}", if *most == u64::MAX { "2^64 - 1".to_owned() } else { most.to_string() })]
-pub struct NotACount {
-    /// The least allowed.
-    pub least: u64,
-    /// The most allowed.
-    pub most: u64,
+#[error("allowed: {0}")]
+pub struct Allowed(String);
+
+/// Reads a text, or reports what is allowed.
+pub(super) fn allowed<T>(read: Option<T>, what: impl Into<String>) -> Result<T, Allowed> {
+    read.ok_or_else(|| Allowed(what.into()))
+}
+
+/// A word of an option, its line of help, and what it stands for.
+pub(super) type Word<T> = (&'static str, &'static str, T);
+
+/// Reads one of some words.
+pub(super) fn one_of<T: Clone + Send + Sync + 'static>(
+    words: impl IntoIterator<Item = Word<T>>,
+) -> impl TypedValueParser<Value = T> {
+    let words: Vec<Word<T>> = words.into_iter().collect();
+    let shown = words.iter().map(|(word, help, _)| PossibleValue::new(word).help(*help));
+    PossibleValuesParser::new(shown).try_map(move |text| {
+        let meant = words.iter().find(|(word, ..)| *word == text);
+        allowed(meant.map(|(.., value)| value.clone()), "one of its words")
+    })
+}
+
+/// The word that stands for a value.
+pub(super) fn word_of<T: PartialEq>(words: &[Word<T>], value: &T) -> &'static str {
+    words.iter().find(|(.., of)| of == value).map_or("", |(word, ..)| word)
 }
 
 /// Reads whole numbers within a range.
-pub(super) fn counts(least: u64, most: u64) -> impl Fn(&str) -> Result<u64, NotACount> + Clone + Send + Sync {
+pub(super) fn counts(least: u64, most: u64) -> impl Fn(&str) -> Result<u64, Allowed> + Clone + Send + Sync {
     move |text| {
         let count = text.parse().ok().filter(|count| (least..=most).contains(count));
-        count.ok_or(NotACount { least, most })
+        let most = if most == u64::MAX { "2^64 - 1".to_owned() } else { most.to_string() };
+        allowed(count, format!("a whole number from {least} to {most}"))
     }
 }
 
-/// A value out of range.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("{key} {value} is not allowed; allowed: {min} to {max}")]
-pub struct OutOfRange {
-    /// The option.
-    pub key: &'static str,
-    /// What was given.
-    pub value: f64,
-    /// Least allowed value.
-    pub min: f64,
-    /// Greatest allowed value.
-    pub max: f64,
-}
-
 /// Refuses values outside a range, not-a-number among them.
-pub(super) fn within(key: &'static str, values: &[f64], [min, max]: [f64; 2]) -> Result<(), OutOfRange> {
-    match values.iter().find(|value| !(min..=max).contains(*value)) {
-        Some(&value) => Err(OutOfRange { key, value, min, max }),
+pub(super) fn within<'a>(
+    key: &'static str,
+    values: impl IntoIterator<Item = &'a f64>,
+    [min, max]: [f64; 2],
+) -> Result<(), Refused> {
+    match values.into_iter().find(|value| !(min..=max).contains(*value)) {
+        Some(value) => {
+            Err(Refused::NotAllowed { key, value: value.to_string(), allowed: format!("{min} to {max}") })
+        }
         None => Ok(()),
     }
 }
 
-/// Neither a number nor all.
-#[derive(Debug, Error)]
-#[error("not a number of pulses; allowed: a whole number, or all")]
-pub(super) struct NotPulses;
-
 /// Reads a number of pulses, or all.
-pub(super) fn pulses_or_all(text: &str) -> Result<u64, NotPulses> {
-    if text == "all" { Ok(u64::MAX) } else { text.parse().map_err(|_| NotPulses) }
+pub(super) fn pulses_or_all(text: &str) -> Result<u64, &'static str> {
+    let count = if text == "all" { Some(u64::MAX) } else { text.parse().ok() };
+    count.ok_or("not a number of pulses; allowed: a whole number, or all")
 }
 
 /// Reads numbers of threads, as `stream.threads` has them.
-pub(super) fn threads() -> impl Fn(&str) -> Result<u64, NotACount> + Clone + Send + Sync {
+pub(super) fn threads() -> impl Fn(&str) -> Result<u64, Allowed> + Clone + Send + Sync {
     match keys::stream::THREADS.kind {
         Kind::Count { min, max } => counts(min, max),
         _ => counts(0, u64::MAX),
     }
 }
 
-/// Not a length that a run can have.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("allowed: {}", keys::scene::DURATION_S.kind.allowed())]
-pub struct NotADuration;
-
 /// The length of a run, as `scene.duration_s` has it; the text itself becomes part of the recorded scenario.
-pub(super) fn duration(text: &str) -> Result<String, NotADuration> {
-    let seconds: f64 = text.parse().map_err(|_| NotADuration)?;
-    let fits = match keys::scene::DURATION_S.kind {
-        Kind::Number { min, max, above, .. } => (min..=max).contains(&seconds) && !(above && seconds == min),
+pub(super) fn duration(text: &str) -> Result<String, Allowed> {
+    let kind = &keys::scene::DURATION_S.kind;
+    let fits = |seconds: &f64| match kind {
+        Kind::Number { min, max, above, .. } => (min..=max).contains(&seconds) && !(*above && seconds == min),
         _ => seconds.is_finite(),
     };
-    if fits { Ok(text.to_owned()) } else { Err(NotADuration) }
+    allowed(text.parse().ok().filter(fits).map(|_| text.to_owned()), kind.allowed())
 }
 
-/// Not a span of time.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("allowed: a number of seconds above 0, up to 1e9")]
-pub struct NotASpan;
-
-pub(super) fn seconds(text: &str) -> Result<Duration, NotASpan> {
-    let seconds: f64 = text.parse().map_err(|_| NotASpan)?;
-    if seconds > 0.0 && seconds <= 1e9 { Ok(Duration::from_secs_f64(seconds)) } else { Err(NotASpan) }
+/// A span of time, s.
+pub(super) fn seconds(text: &str) -> Result<Duration, Allowed> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0 && *seconds <= 1e9);
+    allowed(seconds.map(Duration::from_secs_f64), "a number of seconds above 0, up to 1e9")
 }
 
 /// What was asked for, each once, in the order of asking.
@@ -110,18 +113,21 @@ pub struct PulseRange {
     pub end: u64,
 }
 
-/// Not a range of pulses.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("allowed: two whole numbers A..B, A below B, such as 100..200")]
-pub struct NotARange;
-
 impl FromStr for PulseRange {
-    type Err = NotARange;
+    type Err = Allowed;
 
-    fn from_str(text: &str) -> Result<Self, NotARange> {
-        let (first, end) = text.split_once("..").ok_or(NotARange)?;
-        let (first, end) = (first.parse().map_err(|_| NotARange)?, end.parse().map_err(|_| NotARange)?);
-        if first < end { Ok(Self { first, end }) } else { Err(NotARange) }
+    fn from_str(text: &str) -> Result<Self, Allowed> {
+        let range = text.split_once("..").and_then(|(first, end)| {
+            let range = Self { first: first.parse().ok()?, end: end.parse().ok()? };
+            (range.first < range.end).then_some(range)
+        });
+        allowed(range, "two whole numbers A..B, A below B, such as 100..200")
+    }
+}
+
+impl From<PulseRange> for Range<u64> {
+    fn from(range: PulseRange) -> Self {
+        range.first..range.end
     }
 }
 
@@ -134,20 +140,13 @@ pub struct Setting {
     pub value: String,
 }
 
-/// Not `KEY=VALUE`.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("allowed: KEY=VALUE such as radar.prf_hz=500")]
-pub struct NotASetting;
-
 impl FromStr for Setting {
-    type Err = NotASetting;
+    type Err = Allowed;
 
-    fn from_str(text: &str) -> Result<Self, NotASetting> {
-        let (key, value) = text.split_once('=').ok_or(NotASetting)?;
-        let (key, value) = (key.trim(), value.trim());
-        if key.is_empty() || value.is_empty() {
-            return Err(NotASetting);
-        }
-        Ok(Self { key: key.to_owned(), value: value.to_owned() })
+    fn from_str(text: &str) -> Result<Self, Allowed> {
+        let parts = text.split_once('=').map(|(key, value)| (key.trim(), value.trim()));
+        let parts = parts.filter(|(key, value)| !key.is_empty() && !value.is_empty());
+        let setting = parts.map(|(key, value)| Self { key: key.to_owned(), value: value.to_owned() });
+        allowed(setting, "KEY=VALUE such as radar.prf_hz=500")
     }
 }

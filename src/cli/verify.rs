@@ -6,11 +6,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::error::CliError;
-use super::examine::error::ExamineError;
-use super::examine::examine;
 use super::report::Report;
 use super::scenario::JsonArg;
-use super::{counted, escape, json};
+use super::{counted, escape};
+use crate::recording::examination::survive;
 use crate::recording::verify::{Verdict, verify as read_all};
 
 /// `nereus verify`
@@ -23,13 +22,26 @@ pub struct VerifyArgs {
     pub format: JsonArg,
 }
 
+/// `nereus examine-recording`
+#[derive(Debug, Args)]
+pub struct ExamineArgs {
+    /// Recording (HDF5)
+    pub recording: PathBuf,
+}
+
+/// Reads an HDF5 file under limits, and keeps nothing ([`crate::recording::examination`]).
+pub(super) fn examine_here(args: &ExamineArgs) -> Result<(), CliError> {
+    #[cfg(feature = "hdf5")]
+    return Ok(crate::recording::examination::read_under_limits(&args.recording)?);
+    // A build without HDF5 reads no such file.
+    #[cfg(not(feature = "hdf5"))]
+    Err(crate::sinks::redirection::RedirectionError::NoHdf5 { out: args.recording.clone() }.into())
+}
+
 /// Reads all of it, and reports.
 pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    // What a damaged recording lacks is reported below; what kills or holds up its reader is not read here.
-    match examine(&args.recording) {
-        Ok(()) | Err(ExamineError::Refused { .. }) => {}
-        Err(fatal) => return Err(fatal.into()),
-    }
+    // What a damaged recording lacks is reported below.
+    survive(&args.recording)?;
     let verdict = read_all(&args.recording)?;
     report(&verdict).print(args.format.json, out)?;
     if verdict.whole {
@@ -41,7 +53,7 @@ pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliEr
 
 fn report(verdict: &Verdict) -> Report {
     let mut report = Report::default();
-    report.values(Verdict { path: json::legible(&verdict.path), ..verdict.clone() });
+    report.values(verdict);
     let word = if verdict.whole { "whole" } else { "not whole" };
     let pulses = counted(verdict.pulses, "pulse");
     let span = match (verdict.first, verdict.last) {

@@ -10,17 +10,16 @@ use std::io::Write;
 
 use clap::Args;
 
-use super::error::CliError;
-use super::outputs::outputs;
+use super::error::{CliError, Refused};
 use super::report::Report;
-use super::sea::field::{files, write_map};
-use super::sea::{MapArgs, SeaError};
+use super::say;
+use super::sea::{MapArgs, files, outputs, sea_of};
 use super::values::within;
-use super::{say, warn};
 use crate::adequacy::description::ships::figures;
 use crate::adequacy::{ShipOutlook, patch_at};
 use crate::pipeline::fault::BuildErrors;
 use crate::recording::field_file::Attribute;
+use crate::recording::map_file;
 use crate::recording::output::FileKind;
 use crate::sea::fleet::Fleet;
 use crate::sea::surface::Selection;
@@ -47,13 +46,11 @@ pub struct WakeArgs {
 pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let asked = &args.map;
     let (json, time_s) = (asked.output.format.json, asked.time_s);
-    let run = asked.scenario.load(&[])?;
-    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
-    let path = || asked.scenario.config.clone();
-    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: path() })?;
-    let ships = &run.scene.ships;
+    let run = asked.scenario.load_and_warn()?;
+    let path = &asked.scenario.config;
+    let (sea, ships) = (sea_of(&run, path)?, &run.scene.ships);
     if ships.is_empty() {
-        return Err(SeaError::NoShip { path: path() }.into());
+        return Err(Refused::Without { path: path.clone(), what: "[[ship]]" }.into());
     }
     let lines = lines(args, sea.patch.facet_m)?;
     let kinds = [(&asked.out, FileKind::Hdf5), (&asked.png, FileKind::Png)];
@@ -65,7 +62,7 @@ pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError>
     for ship in &outlooks {
         say(format_args!("{}: {}", ship.name, figures(ship)));
     }
-    let fields = fleet.waves(&patch, selection(asked), time_s).map_err(SeaError::from)?;
+    let fields = fleet.waves(&patch, asked.selection(Selection::ALL), time_s)?;
     let [low_m, high_m] = fields
         .height_m
         .iter()
@@ -81,19 +78,21 @@ pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError>
     let mut cuts = Vec::new();
     for (ship, wake) in sailing {
         for line in &lines {
-            cuts.push(Cut::of(&ship.name, wake, line, &patch, time_s).map_err(SeaError::from)?);
+            cuts.push(Cut::of(&ship.name, wake, line, &patch, time_s)?);
         }
     }
     if let Some(output) = map {
         let attributes = [("time_s", Attribute::Real(time_s)), ("facet_m", Attribute::Real(patch.facet_m))];
-        write_map(output, "nereus-wake", &run.text, &attributes, &patch, &fields)?;
+        let write =
+            |path: &_| map_file::write_sea(path, "nereus-wake", &run.text, &attributes, &patch, &fields);
+        output.write(|partial| Ok::<_, CliError>(write(partial)?))?;
     }
     if let Some(output) = picture {
         let title = match &outlooks[..] {
             [ship] => format!("Wake of {} of {:.0} m at {} m/s", ship.hull, ship.length_m, ship.speed_mps),
             _ => format!("Wakes of {} ships, {time_s} s", outlooks.len()),
         };
-        asked.field.draw(output, &title, &patch, &fields)?;
+        asked.field.draw(&title, &patch, &fields)?.save(output)?;
     }
     if asked.out.is_none() && asked.png.is_none() && lines.is_empty() {
         report.line("nothing was asked for: --out, --png, --cut-starboard-m, --cut-astern-m");
@@ -105,7 +104,7 @@ pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError>
 }
 
 /// The lines along which cuts are made.
-fn lines(args: &WakeArgs, facet_m: f64) -> Result<Vec<Line>, SeaError> {
+fn lines(args: &WakeArgs, facet_m: f64) -> Result<Vec<Line>, Refused> {
     let step_m = args.cut_step_m.unwrap_or(facet_m);
     let starboard = args.cut_starboard_m.iter().map(|at_m| (Way::Along, *at_m));
     let astern = args.cut_astern_m.iter().map(|at_m| (Way::Across, *at_m));
@@ -116,13 +115,4 @@ fn lines(args: &WakeArgs, facet_m: f64) -> Result<Vec<Line>, SeaError> {
         Ok(Line { way, at_m, step_m })
     };
     starboard.chain(astern).map(line).collect()
-}
-
-/// What must be evaluated.
-fn selection(args: &MapArgs) -> Selection {
-    match (&args.out, &args.png) {
-        (Some(_), _) => Selection::ALL,
-        (None, Some(_)) => args.field.selection(),
-        (None, None) => Selection::HEIGHT,
-    }
 }

@@ -4,8 +4,24 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::spacing::independent_step;
 use crate::clutter::goodness::{self, Goodness};
 use crate::clutter::{Fit, Kind, Sample, SampleFault, blocks, histogram, likelihood, moments};
+use crate::processor::focus::Image;
+use crate::processor::taper::Taper;
+
+/// Why no laws are fitted to the pixels of an image.
+#[derive(Debug, thiserror::Error)]
+pub enum SpeckleError {
+    /// An image without resolution cells.
+    #[error(
+        "no cross-range, so that a resolution cell has no length; allowed: more pulses, from an end that moves"
+    )]
+    NoCells,
+    /// Pixels that no law can be fitted to.
+    #[error(transparent)]
+    Sample(#[from] SampleFault),
+}
 
 /// How much is tested.
 #[derive(Clone, Copy, Debug)]
@@ -122,6 +138,20 @@ impl Speckle {
             test_pixels: tested.len(),
             laws: Kind::ALL.map(law).into(),
         })
+    }
+
+    /// Of the pixels of an image that are a resolution cell apart, made with such tapers over the band and
+    /// over the pulses.
+    pub(crate) fn of_image(
+        image: &Image,
+        tapers: [Taper; 2],
+        settings: &SpeckleSettings,
+    ) -> Result<Self, SpeckleError> {
+        let powers: Vec<f64> =
+            image.values.iter().map(|z| f64::from(z.re).powi(2) + f64::from(z.im).powi(2)).collect();
+        let support = image.support.ok_or(SpeckleError::NoCells)?;
+        let step = independent_step(&image.ground, &support, tapers);
+        Ok(Self::of(&powers, image.ground.pixels, step, settings)?)
     }
 
     /// The fits of a law.

@@ -13,6 +13,7 @@ use std::thread;
 use thiserror::Error;
 
 use super::control::Control;
+use crate::inputs::shown;
 
 #[cfg(unix)]
 pub mod socket;
@@ -217,12 +218,59 @@ fn converse(source: &mut impl BufRead, subject: &Subject, mut send: impl FnMut(S
 #[cfg(unix)]
 const ANSWER: std::time::Duration = std::time::Duration::from_secs(10);
 
+/// Why a run does not do what a line asks.
+#[derive(Debug, Error)]
+pub enum LineError {
+    /// A line that no run takes.
+    #[error("a line of {bytes} bytes; allowed: at most {LONGEST_LINE}, without control characters")]
+    Line {
+        /// Its length.
+        bytes: usize,
+    },
+    /// No run answers.
+    #[error("{}: {source}; allowed: the socket of a run under way (nereus run --control)", shown(path))]
+    Silent {
+        /// The socket.
+        path: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// The run does not take the line.
+    #[error("{answer}")]
+    Refused {
+        /// Why.
+        answer: String,
+    },
+}
+
+impl LineError {
+    /// Whether the line itself is wrong.
+    pub fn is_wrong_input(&self) -> bool {
+        matches!(self, Self::Line { .. })
+    }
+}
+
+/// Has a run do what a line asks, and returns its answer.
+///
+/// # Errors
+/// A line that no run takes, no answer, or why the run does not do it.
+pub fn command(path: &Path, line: &str) -> Result<String, LineError> {
+    if line.len() > LONGEST_LINE || line.contains(char::is_control) {
+        return Err(LineError::Line { bytes: line.len() });
+    }
+    let answer = ask(path, line).map_err(|source| LineError::Silent { path: path.to_owned(), source })?;
+    match answer.strip_prefix("error ") {
+        Some(why) => Err(LineError::Refused { answer: why.to_owned() }),
+        None => Ok(answer),
+    }
+}
+
 /// Sends a line to a run and returns its answer.
 ///
 /// # Errors
 /// Nobody listens there, or answers in time.
 #[cfg(unix)]
-pub fn ask(path: &Path, line: &str) -> io::Result<String> {
+fn ask(path: &Path, line: &str) -> io::Result<String> {
     let mut stream = std::os::unix::net::UnixStream::connect(path)?;
     stream.set_read_timeout(Some(ANSWER))?;
     // Who turns a client away says why before the line can be sent.
@@ -248,6 +296,6 @@ pub fn ask(path: &Path, line: &str) -> io::Result<String> {
 /// # Errors
 /// Nobody listens there, or answers in time.
 #[cfg(not(unix))]
-pub fn ask(_: &Path, _: &str) -> io::Result<String> {
+fn ask(_: &Path, _: &str) -> io::Result<String> {
     Err(io::ErrorKind::Unsupported.into())
 }

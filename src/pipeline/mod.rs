@@ -21,6 +21,8 @@ pub mod fault;
 pub mod live;
 #[doc(hidden)]
 pub mod memory;
+#[doc(hidden)]
+pub mod nav_output;
 mod navigation;
 pub mod released;
 pub(crate) mod outputs;

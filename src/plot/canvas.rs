@@ -16,11 +16,13 @@
 //! # Ok::<(), nereus::plot::canvas::PngError>(())
 //! ```
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, RasterizedChar, get_raster, get_raster_width};
 
 use super::colours::Colour;
+use crate::recording::output::{Output, OutputError};
 
 /// Largest side of a canvas, pixels.
 pub const MAX_SIDE: usize = 1 << 14;
@@ -29,6 +31,17 @@ pub const MAX_SIDE: usize = 1 << 14;
 #[derive(Debug, thiserror::Error)]
 #[error("the picture cannot be written: {0}")]
 pub struct PngError(#[from] png::EncodingError);
+
+/// A picture is not made as a file.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureFileError {
+    /// The file may not be made, or cannot.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The picture cannot be written.
+    #[error(transparent)]
+    Png(#[from] PngError),
+}
 
 /// How letters look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -252,6 +265,19 @@ impl Canvas {
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.rgb)?;
         Ok(writer.finish()?)
+    }
+
+    /// Writes the picture as a file.
+    ///
+    /// # Errors
+    /// A file that cannot be made or written.
+    pub fn save(&self, output: Output) -> Result<(), PictureFileError> {
+        output.write(|partial| {
+            let file = File::create_new(partial).map_err(OutputError::io(partial, "making the file"))?;
+            let mut file = BufWriter::new(file);
+            self.write_png(&mut file)?;
+            Ok(file.flush().map_err(OutputError::io(partial, "writing"))?)
+        })
     }
 }
 

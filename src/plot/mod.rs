@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`picture`] | a 2-D array in false colours: axes, colour bar, scale bar |
 //! | [`chart`] | curves on linear, logarithmic or decibel axes |
+//! | [`patch`] | fields of a patch of sea, and what its facets contribute to an echo |
 //! | [`body_plan`] | sections of a hull, from ahead and from astern |
 //! | [`colours`] | colour maps of even steps |
 //! | [`ticks`] | round numbers along an axis |
@@ -29,5 +30,6 @@ pub mod body_plan;
 pub mod canvas;
 pub mod chart;
 pub mod colours;
+pub mod patch;
 pub mod picture;
 pub mod ticks;

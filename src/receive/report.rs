@@ -71,6 +71,7 @@ pub struct Report {
     /// Last reported state of each platform.
     pub platforms: Vec<Platform>,
     /// What was recorded, where it is.
+    #[serde(serialize_with = "crate::inputs::all_legible")]
     pub out: Vec<PathBuf>,
     /// Older recordings that stay although they were to be replaced.
     pub kept: Vec<PathBuf>,

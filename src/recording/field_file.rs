@@ -15,6 +15,8 @@ pub(super) use super::hdf5::{
 
 /// Version of the structures.
 pub const VERSION: u32 = 1;
+/// The program that writes them, as they name it.
+pub(super) const SOFTWARE: &str = concat!("nereus ", env!("CARGO_PKG_VERSION"));
 
 /// Value of a root attribute.
 #[derive(Clone, Copy, Debug, PartialEq)]

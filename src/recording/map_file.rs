@@ -21,7 +21,7 @@
 
 use std::path::Path;
 
-use super::field_file::{self, Attribute, FieldFileError, Fields};
+use super::field_file::{self, Attribute, FieldFileError, Fields, SOFTWARE};
 #[cfg(feature = "hdf5")]
 use super::field_file::{Fault, list, put, text};
 use crate::scene::Patch;
@@ -73,6 +73,23 @@ const SEA_LAYERS: [SeaLayer; 11] = [
 /// The layers of a map of the sea, of which all fields must be there.
 pub fn sea_layers(fields: &surface::Fields<f64>) -> [Layer<'_>; 11] {
     SEA_LAYERS.map(|(name, unit, meaning, values)| Layer { name, unit, meaning, values: values(fields) })
+}
+
+/// Writes every field of the sea over a patch; `config` is the scenario's text.
+///
+/// # Errors
+/// What cannot be written.
+pub fn write_sea(
+    path: &Path,
+    format: &str,
+    config: &str,
+    attributes: &[(&str, Attribute<'_>)],
+    patch: &Patch,
+    fields: &surface::Fields<f64>,
+) -> Result<(), FieldFileError> {
+    let run = [("software", Attribute::Text(SOFTWARE)), ("config", Attribute::Text(config))];
+    let attributes = [&run, attributes].concat();
+    MapFile { format, attributes: &attributes, patch, layers: &sea_layers(fields) }.write(path)
 }
 
 impl MapFile<'_> {

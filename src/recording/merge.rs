@@ -38,8 +38,10 @@ const BLOCK_BYTES: usize = 8 << 20;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct MergeReport {
     /// The result.
+    #[serde(serialize_with = "crate::inputs::legible")]
     pub out: PathBuf,
     /// Shards joined, in the order of their pulses.
+    #[serde(serialize_with = "crate::inputs::all_legible")]
     pub shards: Vec<PathBuf>,
     /// Pulses in the result.
     pub pulses: u64,

@@ -38,10 +38,13 @@
 
 use std::path::Path;
 
-use super::field_file::{self, Attribute, FieldFileError, Fields};
+use super::field_file::{self, Attribute, FieldFileError, Fields, SOFTWARE};
 #[cfg(feature = "hdf5")]
 use super::field_file::{Fault, list, put, texts};
 use crate::paths::list::ScattererPaths;
+use crate::pulse::Pulse;
+use crate::scene::Scene;
+use crate::scene::radar::{Pair, Sweep, Waveform};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +59,51 @@ pub struct PathFile<'a> {
     pub channel_pairs: &'a [usize],
     /// The scatterer paths.
     pub paths: &'a ScattererPaths,
+}
+
+/// Writes the scatterer paths of a pulse of a scene; `config` is the scenario's text.
+///
+/// # Errors
+/// What cannot be written.
+pub fn write(
+    path: &Path,
+    scene: &Scene,
+    config: &str,
+    pulse: &Pulse,
+    channel_pairs: &[usize],
+    paths: &ScattererPaths,
+) -> Result<(), FieldFileError> {
+    let radar = &scene.radar;
+    let pair = |pair: &Pair| {
+        let (tx, rx) = (&radar.transmitters[pair.transmitter].name, &radar.receivers[pair.receiver].name);
+        format!("{tx}/{rx}")
+    };
+    let pairs: Vec<String> = radar.pairs().iter().map(pair).collect();
+    let channels: Vec<String> = radar.channels.iter().map(|channel| channel.name.clone()).collect();
+    let mut attributes = vec![
+        ("software", Attribute::Text(SOFTWARE)),
+        ("config", Attribute::Text(config)),
+        ("seed", Attribute::Whole(scene.seed)),
+        ("pulse", Attribute::Whole(pulse.index)),
+        ("carrier_hz", Attribute::Real(radar.carrier_hz)),
+        ("sample_rate_hz", Attribute::Real(radar.sample_rate_hz)),
+        ("prf_hz", Attribute::Real(radar.emissions.mean_prf_hz())),
+        ("window_start_s", Attribute::Real(pulse.window_start_s)),
+        ("samples", Attribute::Whole(radar.window.samples as u64)),
+    ];
+    match &radar.waveform {
+        Waveform::Lfm { bandwidth_hz, duration_s, sweep } => attributes.extend([
+            ("waveform", Attribute::Text("lfm")),
+            ("bandwidth_hz", Attribute::Real(*bandwidth_hz)),
+            ("pulse_s", Attribute::Real(*duration_s)),
+            ("sweep", Attribute::Text(if matches!(sweep, Sweep::Up) { "up" } else { "down" })),
+        ]),
+        Waveform::Samples { rate_hz, .. } => attributes.extend([
+            ("waveform", Attribute::Text("samples")),
+            ("waveform_rate_hz", Attribute::Real(*rate_hz)),
+        ]),
+    }
+    PathFile { attributes: &attributes, pairs: &pairs, channels: &channels, channel_pairs, paths }.write(path)
 }
 
 impl PathFile<'_> {

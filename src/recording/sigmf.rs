@@ -66,6 +66,7 @@ pub struct Exported {
     /// SigMF's name of their type.
     pub datatype: &'static str,
     /// The files.
+    #[serde(serialize_with = "crate::inputs::all_legible")]
     pub out: Vec<PathBuf>,
 }
 

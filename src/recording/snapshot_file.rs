@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::field_file::{Attribute, FieldFileError};
+use super::field_file::{Attribute, FieldFileError, SOFTWARE};
 use super::map_file::{Layer, MapFile};
 use crate::paths::snapshot::Snapshot;
 use crate::scene::Scene;
@@ -48,9 +48,8 @@ pub fn write(path: &Path, scene: &Scene, config: &str, snapshot: &Snapshot) -> R
     }
     let layers: Vec<Layer> =
         columns.iter().map(|(name, unit, meaning, values)| Layer { name, unit, meaning, values }).collect();
-    let software = format!("nereus {}", env!("CARGO_PKG_VERSION"));
     let attributes = [
-        ("software", Attribute::Text(&software)),
+        ("software", Attribute::Text(SOFTWARE)),
         ("config", Attribute::Text(config)),
         ("seed", Attribute::Whole(scene.seed)),
         ("pulse", Attribute::Whole(snapshot.index)),

@@ -69,6 +69,7 @@ pub enum Ending {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Verdict {
     /// The recording.
+    #[serde(serialize_with = "crate::inputs::legible")]
     pub path: PathBuf,
     /// Whether nothing is wrong.
     pub whole: bool,

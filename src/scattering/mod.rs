@@ -15,6 +15,7 @@ pub mod modulation;
 pub mod permittivity;
 pub mod physical_optics;
 pub mod roughness;
+pub mod sigma0;
 pub mod slope_pdf;
 pub mod speckle;
 pub mod splitting;

@@ -34,6 +34,8 @@ pub mod null;
 #[doc(hidden)]
 pub mod plain;
 #[doc(hidden)]
+pub mod redirection;
+#[doc(hidden)]
 pub mod crsd;
 #[doc(hidden)]
 pub mod vita49;

@@ -4,15 +4,15 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use serde::Serialize;
 
-use super::super::error::CliError;
-use super::super::report::Report;
-use super::super::scenario::OutputArgs;
-use super::super::{escape, examine, json};
+use crate::cli::error::CliError;
+use crate::cli::escape;
+use crate::cli::report::Report;
+use crate::cli::scenario::OutputArgs;
 use crate::pipeline::scenario::Scenario;
 use crate::recording::Recording;
 use crate::recording::crsd::{self, CrsdError, Described, Description, ExportError, Exported};
+use crate::recording::examination::examine;
 use crate::recording::output::{FileKind, Output};
 
 /// `nereus export crsd`
@@ -31,16 +31,6 @@ pub struct ExportCrsdArgs {
     pub output: OutputArgs,
 }
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Made {
-    out: PathBuf,
-    pulses: u64,
-    bytes: u64,
-    channels: Vec<String>,
-    left_out: Vec<String>,
-}
-
 /// Exports.
 pub(super) fn crsd(args: &ExportCrsdArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let path = &args.recording;
@@ -48,7 +38,7 @@ pub(super) fn crsd(args: &ExportCrsdArgs, out: &mut dyn Write) -> Result<(), Cli
     let of = |error: CrsdError| error.of(path);
     let plan = |to| Output::plan(to, FileKind::Crsd, args.output.overwrite.force).map_err(CrsdError::from);
     let output = plan(&to).map_err(of)?;
-    examine::examine(path)?;
+    examine(path)?;
     // The columns are read again, block by block.
     let recording =
         Recording::open_channels::<CrsdError>(path, None, None, |_| Ok(Vec::new())).map_err(of)?;
@@ -71,24 +61,16 @@ pub(super) fn crsd(args: &ExportCrsdArgs, out: &mut dyn Write) -> Result<(), Cli
         })
         .map_err(of)?;
     let names = header.channels.iter().map(|channel| channel.name.clone());
-    let made = Made {
-        out: json::legible(&to),
-        pulses: exported.pulses,
-        bytes: exported.bytes,
-        left_out: names.filter(|name| !channels.contains(name)).collect(),
-        channels,
-    };
+    let left_out: Vec<String> = names.filter(|name| !channels.contains(name)).collect();
+    let Exported { pulses, bytes } = exported;
     let mut report = Report::default();
-    report.values(&made);
+    report.value("out", to.to_string_lossy()).value("pulses", pulses).value("bytes", bytes);
+    report.value("channels", &channels).value("left_out", &left_out);
     if !args.output.format.json {
-        let Exported { pulses, bytes } = exported;
-        report.line(format!(
-            "{}: {pulses} pulses, {} channels, {bytes} bytes",
-            escape::path(&to),
-            made.channels.len()
-        ));
-        if !made.left_out.is_empty() {
-            report.line(format!("left out: {}", made.left_out.join(", ")));
+        let path = escape::path(&to);
+        report.line(format!("{path}: {pulses} pulses, {} channels, {bytes} bytes", channels.len()));
+        if !left_out.is_empty() {
+            report.line(format!("left out: {}", left_out.join(", ")));
         }
     }
     report.say(args.output.format.json, out)

@@ -5,12 +5,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::super::error::CliError;
-use super::super::report::Report;
-use super::super::scenario::OutputArgs;
-use super::super::values::PulseRange;
-use super::super::{counted, escape, examine, json};
-use crate::recording::sigmf::{self, Exported, Settings};
+use crate::cli::error::CliError;
+use crate::cli::report::Report;
+use crate::cli::scenario::OutputArgs;
+use crate::cli::values::PulseRange;
+use crate::cli::{counted, escape};
+use crate::recording::examination::examine;
+use crate::recording::sigmf::{self, Settings};
 
 /// `nereus export sigmf`
 #[derive(Debug, Args)]
@@ -35,16 +36,16 @@ pub struct ExportSigmfArgs {
 /// Exports.
 pub(super) fn sigmf(args: &ExportSigmfArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let path = &args.recording;
-    examine::examine(path)?;
+    examine(path)?;
     let settings = Settings {
         out: args.out.clone().unwrap_or_else(|| path.with_extension("")),
         channels: args.channel.clone(),
-        pulses: args.pulses.map(|range| range.first..range.end),
+        pulses: args.pulses.map(Into::into),
         force: args.output.overwrite.force,
     };
     let made = sigmf::export(path, &settings)?;
     let mut report = Report::default();
-    report.values(&Exported { out: json::all_legible(&made.out), ..made.clone() });
+    report.values(&made);
     if !args.output.format.json {
         let channels = counted(made.channels.len() as u64, "channel");
         let (pulses, datatype) = (counted(made.pulses as u64, "pulse"), made.datatype);

@@ -4,35 +4,28 @@ use std::io::Write;
 use std::path::Path;
 
 use super::images::{Outputs, pictures};
-use super::{FocusArgs, FocusNav, image, open, table};
-use crate::cli::error::CliError;
-use crate::cli::focus::error::FocusError;
-use crate::cli::json;
-use crate::cli::outputs::save_canvas;
-use crate::cli::sea::SeaError;
+use super::{FocusArgs, Nav, at, image, names, open, report, table};
+use crate::cli::error::{CliError, Refused};
+use crate::cli::escape;
 use crate::motion::PlatformTracks;
 use crate::pipeline::build;
 use crate::pipeline::scenario::Scenario;
 use crate::processor::comparison::{Side, compare as compare_images, difference};
-use crate::processor::focus::{Focuser, Image};
+use crate::processor::focus::{Focuser, Image, Navigation};
 use crate::processor::two_way_gain::TwoWayGain;
 use crate::recording::Recording;
 use crate::recording::output::{FileKind, Output};
 
 /// Refuses options that have no meaning with this --nav.
-pub(super) fn check(args: &FocusArgs) -> Result<(), FocusError> {
-    if args.nav() == FocusNav::Both {
-        let allowed = "with --nav true or --nav reported";
-        let refused = FocusError::Value { key: "speckle", found: "with --nav both".to_owned(), allowed };
+pub(super) fn check(args: &FocusArgs) -> Result<(), Refused> {
+    if args.nav().is_none() {
+        let refused = Refused::value("speckle", "with --nav both", "with --nav true or --nav reported");
         return if args.speckle { Err(refused) } else { Ok(()) };
     }
-    for (key, found) in [("against", &args.against), ("cuts", &args.cuts)] {
-        if let Some(found) = found {
-            let found = found.display().to_string();
-            return Err(FocusError::Value { key, found, allowed: "with --nav both only" });
-        }
+    match [("against", &args.against), ("cuts", &args.cuts)].into_iter().find(|(_, path)| path.is_some()) {
+        Some((key, Some(path))) => Err(Refused::value(key, path.display(), "with --nav both only")),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// Focuses twice and compares.
@@ -44,18 +37,16 @@ pub(super) fn compare(
 ) -> Result<(), CliError> {
     let recording = focuser.recording();
     if let Some(path) = args.cuts.as_ref().filter(|_| recording.header.targets.is_empty()) {
-        let found = path.display().to_string();
-        return Err(FocusError::Value { key: "cuts", found, allowed: "for a recording of targets" }.into());
+        return Err(Refused::value("cuts", path.display(), "for a recording of targets").into());
     }
     let places = focuser.channels();
-    let names: Vec<String> =
-        places.iter().map(|channel| recording.header.channels[*channel].name.clone()).collect();
+    let names = names(recording, &places);
     let doubled: Vec<String> =
         names.iter().flat_map(|name| [format!("{name}_true"), format!("{name}_reported")]).collect();
     let outputs = Outputs::plan(args, &doubled)?;
     let mut cuts = Vec::new();
     for path in args.cuts.iter().flat_map(|path| pictures(path, &names)) {
-        cuts.push(Output::plan(&path, FileKind::Png, args.force).map_err(FocusError::from)?);
+        cuts.push(Output::plan(&path, FileKind::Png, args.force)?);
     }
     let other = args.against.as_ref().map(|path| reference(args, path, recording)).transpose()?;
     let (measure, measure_scenario) = match &other {
@@ -63,7 +54,7 @@ pub(super) fn compare(
         None => (recording, scenario),
     };
     let right_path = args.against.as_ref().unwrap_or(&args.recording);
-    let (at, right_at) = (FocusError::at(&args.recording), FocusError::at(right_path));
+    let (at, right_at) = (at(&args.recording), at(right_path));
     let right = focuser.by_truth(measure, measure_scenario.map(Scenario::described)).map_err(&right_at)?;
     // Aims may differ from those of another recording only.
     let tracks = [measure_scenario, scenario].map(|of| if other.is_some() { tracks(of) } else { None });
@@ -83,27 +74,20 @@ pub(super) fn compare(
         channels.push(found.map_err(&at)?);
         images.extend(pair);
     }
-    let navs = [FocusNav::True, FocusNav::Reported].into_iter().cycle();
-    let shown: Vec<(&Image, FocusNav)> = images.iter().zip(navs).collect();
+    let navs = [Navigation::True, Navigation::Reported].map(Some).into_iter().cycle();
+    let shown: Vec<(&Image, Nav)> = images.iter().zip(navs).collect();
     let mut made = outputs.write(args, recording, &shown, &doubled)?;
     for (output, channel) in cuts.into_iter().zip(&channels) {
         made.push(output.path().to_owned());
-        save_canvas(output, &channel.cuts().map_err(SeaError::from)?)?;
+        channel.cuts()?.save(output)?;
     }
-    let comparison = table::Comparison {
-        recording: args.recording.display().to_string(),
-        against: args.against.as_ref().map(|path| path.display().to_string()),
-        nav: FocusNav::Both.name(),
-        pulses: recording.pulses(),
-        first_pulse: recording.index[0],
-        last_pulse: recording.index[recording.index.len() - 1],
-        centre_m: focuser.ground().centre_m(),
-        pixels: focuser.ground().pixels,
-        pixel_m: args.pixel_m,
-        channels,
-        out: json::all_legible(&made),
-    };
-    table::print(args, &comparison, out)
+    let of = args.against.as_ref().map(|path| path.display().to_string());
+    let of = of.map_or(String::new(), |path| format!(" navigation of {}", escape::name(&path)));
+    let mut report =
+        report::begun(args, focuser, "images", &format!("; reported navigation beside true{of}"));
+    channels.iter().for_each(|channel| table::add_channel(&mut report, channel));
+    report.value("channels", &channels).paths("out", &made);
+    super::print(args, report, &made, out)
 }
 
 /// Tracks of a scenario; none where it names files that are not there.
@@ -126,10 +110,10 @@ fn reference(
     args: &FocusArgs,
     path: &Path,
     like: &Recording,
-) -> Result<(Recording, Option<Scenario>), FocusError> {
+) -> Result<(Recording, Option<Scenario>), CliError> {
     let (right, scenario) = open(args, path)?;
-    if let Some(what) = difference(&right, like) {
-        return Err(FocusError::Against { path: path.to_owned(), what });
+    match difference(&right, like) {
+        Some(what) => Err(Refused::Against { path: path.to_owned(), what }.into()),
+        None => Ok((right, scenario)),
     }
-    Ok((right, scenario))
 }

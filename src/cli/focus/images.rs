@@ -2,15 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
 use num_complex::Complex32;
 
-use super::{FocusArgs, FocusNav};
-use crate::cli::counted;
-use crate::cli::error::CliError;
-use crate::cli::focus::error::FocusError;
-use crate::cli::outputs::save_canvas;
-use crate::cli::sea::SeaError;
+use super::{FILTERS, FocusArgs, NAVS, Nav, TAPERS};
+use crate::cli::error::{CliError, Refused};
+use crate::cli::values::word_of;
+use crate::cli::{counted, escape};
 use crate::plot::canvas::Canvas;
 use crate::processor::focus::Image;
 use crate::processor::focus::picture::Scale;
@@ -27,7 +24,7 @@ pub(super) struct Outputs {
 
 impl Outputs {
     /// Those of images of such names.
-    pub fn plan(args: &FocusArgs, names: &[String]) -> Result<Self, FocusError> {
+    pub fn plan(args: &FocusArgs, names: &[String]) -> Result<Self, CliError> {
         let mut made = Self { pictures: Vec::new(), values: None };
         for path in &args.out {
             match path.extension().and_then(|e| e.to_str()) {
@@ -40,8 +37,13 @@ impl Outputs {
                 Some("h5") if made.values.is_none() => {
                     made.values = Some(Output::plan(path, FileKind::Hdf5, args.force)?);
                 }
-                Some("png" | "h5") => return Err(FocusError::Several { path: path.clone() }),
-                _ => return Err(FocusError::Kind { path: path.clone() }),
+                kind => {
+                    let allowed = match kind {
+                        Some("png" | "h5") => "one name that ends in .png and one that ends in .h5",
+                        _ => "a name that ends in .png or .h5",
+                    };
+                    return Err(Refused::value("out", escape::path(path), allowed).into());
+                }
             }
         }
         Ok(made)
@@ -52,7 +54,7 @@ impl Outputs {
         self,
         args: &FocusArgs,
         recording: &Recording,
-        images: &[(&Image, FocusNav)],
+        images: &[(&Image, Nav)],
         names: &[String],
     ) -> Result<Vec<PathBuf>, CliError> {
         let paths = self.pictures.iter().chain(&self.values).map(|output| output.path().to_owned()).collect();
@@ -60,11 +62,11 @@ impl Outputs {
         if args.panels {
             for output in self.pictures {
                 let all: Vec<Canvas> = canvases.by_ref().collect::<Result<_, _>>()?;
-                save_canvas(output, &Canvas::tiled(&all, all.len().isqrt(), [255; 3]))?;
+                Canvas::tiled(&all, all.len().isqrt(), [255; 3]).save(output)?;
             }
         } else {
             for (output, canvas) in self.pictures.into_iter().zip(canvases) {
-                save_canvas(output, &canvas?)?;
+                canvas?.save(output)?;
             }
         }
         if let Some(output) = self.values {
@@ -88,43 +90,35 @@ pub(super) fn pictures(path: &Path, names: &[String]) -> Vec<PathBuf> {
     names.iter().map(named).collect()
 }
 
-fn picture(args: &FocusArgs, image: &Image, nav: FocusNav) -> Result<Canvas, CliError> {
-    let title = format!("{}, {}, {} navigation", image.channel, counted(image.pulses, "pulse"), nav.name());
+fn picture(args: &FocusArgs, image: &Image, nav: Nav) -> Result<Canvas, CliError> {
+    let (pulses, nav) = (counted(image.pulses, "pulse"), word_of(&NAVS, &nav));
+    let title = format!("{}, {pulses}, {nav} navigation", image.channel);
     let scale = match args.percentile {
         None => Scale::Decibels { span: args.dynamic_db },
         Some(percent) => Scale::Amplitudes { percent },
     };
     let size_px = if args.panels { 512 } else { 768 };
-    Ok(image.picture(&title, args.looks, scale, size_px).map_err(SeaError::from)?)
+    Ok(image.picture(&title, args.looks, scale, size_px)?)
 }
 
 fn values(
     args: &FocusArgs,
     recording: &Recording,
-    images: &[(&Image, FocusNav)],
+    images: &[(&Image, Nav)],
     names: &[String],
     output: Output,
 ) -> Result<(), CliError> {
     let [(first_image, _), ..] = images else { return Ok(()) };
     let values: Vec<Vec<Complex32>> = images.iter().map(|(image, _)| image.values.clone()).collect();
-    let named = |value: Option<clap::builder::PossibleValue>| {
-        value.map_or(String::new(), |value| value.get_name().to_owned())
-    };
-    let [nav, window, aperture, filter] = [
-        named(args.nav().to_possible_value()),
-        named(args.window.to_possible_value()),
-        named(args.aperture.to_possible_value()),
-        named(args.filter.to_possible_value()),
-    ];
     let (first, last) = (recording.index[0], recording.index[recording.index.len() - 1]);
     // Not a number: all pulses.
     let doppler_hz: Vec<f64> = images.iter().map(|(image, _)| image.doppler_hz.unwrap_or(f64::NAN)).collect();
     let attributes = [
         ("recording", Attribute::Text(&args.recording.display().to_string())),
-        ("nav", Attribute::Text(&nav)),
-        ("window", Attribute::Text(&window)),
-        ("aperture", Attribute::Text(&aperture)),
-        ("filter", Attribute::Text(&filter)),
+        ("nav", Attribute::Text(word_of(&NAVS, &args.nav()))),
+        ("window", Attribute::Text(word_of(&TAPERS, &args.window))),
+        ("aperture", Attribute::Text(word_of(&TAPERS, &args.aperture))),
+        ("filter", Attribute::Text(word_of(&FILTERS, &args.filter))),
         ("first_pulse", Attribute::Whole(first)),
         ("end_pulse", Attribute::Whole(last + 1)),
         ("height_m", Attribute::Real(args.height_m)),
@@ -133,5 +127,5 @@ fn values(
     ];
     let file =
         ImageFile { attributes: &attributes, channels: names, ground: &first_image.ground, images: &values };
-    Ok(output.write(|partial| file.write(partial).map_err(FocusError::from))?)
+    output.write(|partial| Ok(file.write(partial)?))
 }

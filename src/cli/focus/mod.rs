@@ -1,87 +1,51 @@
 //! `nereus focus`: an image of a recording.
 
-pub mod error;
 mod both;
 mod images;
 mod report;
-mod speckle;
 mod table;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use num_complex::Complex32;
 
-use super::error::CliError;
-use super::values::{PulseRange, distinct};
-use super::{progress, say, warn};
+use super::error::{CliError, Refused};
+use super::report::Report;
+use super::values::{Allowed, PulseRange, Word, allowed, distinct, one_of};
+use super::{escape, progress, say, warn};
 use crate::inputs::one_line;
 use crate::pipeline::memory::available_bytes;
 use crate::pipeline::scenario::Scenario;
-use crate::processor::focus::{self, DopplerBand, Focuser, Image, Navigation, Settings};
-use crate::processor::point_target::PointTarget;
+use crate::processor::focus::{DopplerBand, FocusError, Focuser, Image, Navigation, Settings};
 use crate::processor::range_compress::RangeFilter;
 use crate::processor::taper::Taper;
 use crate::recording::Recording;
+use crate::recording::examination::examine;
 use crate::recording::header::Header;
-use error::FocusError;
 use images::Outputs;
 
-/// Which navigation the processor takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FocusNav {
-    /// True phase centres
-    True,
-    /// Phase centres as the platforms report them
-    Reported,
-    /// Both, side by side: what the errors of the reports do, predicted and measured
-    Both,
-}
+/// Which navigation the processor takes; `None`: both.
+type Nav = Option<Navigation>;
 
-/// Tapers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FocusTaper {
-    /// All weights are 1
-    None,
-    /// Raised cosine
-    Hann,
-    /// Side lobes of -35 dB
-    Taylor,
-    /// Kaiser, beta 6
-    Kaiser,
-}
-
+const NAVS: [Word<Nav>; 3] = [
+    ("true", "True phase centres", Some(Navigation::True)),
+    ("reported", "Phase centres as the platforms report them", Some(Navigation::Reported)),
+    ("both", "Both, side by side: what the errors of the reports do, predicted and measured", None),
+];
+const TAPERS: [Word<Taper>; 4] = [
+    ("none", "All weights are 1", Taper::Uniform),
+    ("hann", "Raised cosine", Taper::Hann),
+    ("taylor", "Side lobes of -35 dB", Taper::Taylor),
+    ("kaiser", "Kaiser, beta 6", Taper::Kaiser),
+];
 /// What becomes of the spectrum of the pulse.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FocusFilter {
-    /// Matched filter
-    Matched,
-    /// Spectrum of the pulse divided out within its band
-    Flat,
-}
-
-impl FocusNav {
-    fn name(self) -> &'static str {
-        match self {
-            Self::True => "true",
-            Self::Reported => "reported",
-            Self::Both => "both",
-        }
-    }
-}
-
-impl FocusTaper {
-    fn taper(self) -> Taper {
-        match self {
-            Self::None => Taper::Uniform,
-            Self::Hann => Taper::Hann,
-            Self::Taylor => Taper::Taylor,
-            Self::Kaiser => Taper::Kaiser,
-        }
-    }
-}
+const FILTERS: [Word<RangeFilter>; 2] = [
+    ("matched", "Matched filter", RangeFilter::Matched),
+    ("flat", "Spectrum of the pulse divided out within its band", RangeFilter::Flat),
+];
 
 /// `nereus focus`
 #[derive(Clone, Debug, Args)]
@@ -89,8 +53,8 @@ pub struct FocusArgs {
     /// Recording: an HDF5 file or a plain folder
     pub recording: PathBuf,
     /// Which navigation the processor takes [default: true; of what was received over the wire, reported]
-    #[arg(long, value_enum)]
-    pub nav: Option<FocusNav>,
+    #[arg(long, value_parser = one_of(NAVS))]
+    pub nav: Option<Nav>,
     /// Image to make: a picture of each channel (.png), complex values of all (.h5); may be given twice
     #[arg(long, value_name = "PATH")]
     pub out: Vec<PathBuf>,
@@ -113,18 +77,18 @@ pub struct FocusArgs {
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true)]
     pub height_m: f64,
     /// Taper over the band
-    #[arg(long, value_enum, default_value_t = FocusTaper::None)]
-    pub window: FocusTaper,
+    #[arg(long, value_parser = one_of(TAPERS), default_value = "none")]
+    pub window: Taper,
     /// Doppler band about the aim of the antennas from which a pixel takes its pulses: Hz, or `all` for all
     /// pulses [default: the pulse rate, where the image reaches beyond it]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = doppler_band)]
     pub doppler_hz: Option<DopplerBand>,
     /// Taper over the pulses, or over the Doppler band
-    #[arg(long, value_enum, default_value_t = FocusTaper::None)]
-    pub aperture: FocusTaper,
+    #[arg(long, value_parser = one_of(TAPERS), default_value = "none")]
+    pub aperture: Taper,
     /// Filter of the range compression
-    #[arg(long, value_enum, default_value_t = FocusFilter::Matched)]
-    pub filter: FocusFilter,
+    #[arg(long, value_parser = one_of(FILTERS), default_value = "matched")]
+    pub filter: RangeFilter,
     /// Error of the interpolation between cells of a compressed pulse
     #[arg(long, value_name = "DB", default_value_t = -60.0, allow_negative_numbers = true)]
     pub interpolation_db: f64,
@@ -160,49 +124,46 @@ pub struct FocusArgs {
     pub json: bool,
 }
 
-/// What is made of one channel.
-struct Focused {
-    image: Image,
-    targets: Vec<(String, Option<PointTarget>)>,
-}
-
 impl FocusArgs {
     /// The navigation asked for; the true one unless [`Self::of`] has found none.
-    fn nav(&self) -> FocusNav {
-        self.nav.unwrap_or(FocusNav::True)
+    fn nav(&self) -> Nav {
+        self.nav.unwrap_or(Some(Navigation::True))
     }
 
     /// With the navigation that a recording has.
     fn of(&self, header: &Header) -> Self {
-        let own = if header.truth { FocusNav::True } else { FocusNav::Reported };
-        Self { nav: Some(self.nav.unwrap_or(own)), ..self.clone() }
+        let own = if header.truth { Navigation::True } else { Navigation::Reported };
+        Self { nav: Some(self.nav.unwrap_or(Some(own))), ..self.clone() }
     }
 
     fn settings(&self) -> Settings {
         Settings {
-            nav: if self.nav() == FocusNav::True { Navigation::True } else { Navigation::Reported },
+            nav: self.nav().unwrap_or(Navigation::Reported),
             centre_m: <[f64; 2]>::try_from(self.centre_m.as_slice()).ok(),
             size_m: [self.size_m[0], self.size_m[self.size_m.len() - 1]],
             pixel_m: self.pixel_m,
             height_m: self.height_m,
-            window: self.window.taper(),
-            aperture: self.aperture.taper(),
+            window: self.window,
+            aperture: self.aperture,
             doppler: self.doppler_hz.unwrap_or_default(),
-            filter: match self.filter {
-                FocusFilter::Matched => RangeFilter::Matched,
-                FocusFilter::Flat => RangeFilter::Flat,
-            },
+            filter: self.filter,
             interpolation_db: self.interpolation_db,
         }
     }
 }
 
-fn doppler_band(text: &str) -> Result<DopplerBand, String> {
-    match (text, text.parse::<f64>()) {
-        ("all", _) => Ok(DopplerBand::All),
-        (_, Ok(hz)) if hz > 0.0 && hz.is_finite() => Ok(DopplerBand::Hz(hz)),
-        _ => Err("allowed: a number of Hz above 0, or all".to_owned()),
-    }
+fn doppler_band(text: &str) -> Result<DopplerBand, Allowed> {
+    let band = match (text, text.parse::<f64>()) {
+        ("all", _) => Some(DopplerBand::All),
+        (_, Ok(hz)) if hz > 0.0 && hz.is_finite() => Some(DopplerBand::Hz(hz)),
+        _ => None,
+    };
+    allowed(band, "a number of Hz above 0, or all")
+}
+
+/// Why a recording cannot be focused.
+fn at(path: &Path) -> impl Fn(FocusError) -> CliError {
+    move |source| CliError::Focus { path: path.to_owned(), source }
 }
 
 /// Focuses.
@@ -210,7 +171,7 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
     check(args)?;
     let path = &args.recording;
     for path in [Some(path), args.against.as_ref()].into_iter().flatten() {
-        super::examine::examine(path)?;
+        examine(path)?;
     }
     let (recording, scenario) = open(args, path)?;
     let args = &args.of(&recording.header);
@@ -220,39 +181,53 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
         warn([format!("--pulses {}..{}: the recording ends with pulse {last}", asked.first, asked.end)]);
     }
     let described = scenario.as_ref().map(Scenario::described);
-    let focuser = Focuser::new(&recording, described, &args.settings()).map_err(FocusError::at(path))?;
+    let focuser = Focuser::new(&recording, described, &args.settings()).map_err(at(path))?;
     let [columns, rows] = focuser.ground().pixels;
     if args.looks > columns.min(rows) {
-        return Err(FocusError::Looks { looks: args.looks, columns, rows }.into());
+        let allowed = format!("up to the shorter side of the image, which has {columns} x {rows} pixels");
+        return Err(Refused::value("looks", args.looks, allowed).into());
     }
-    if args.nav() == FocusNav::Both {
+    if args.nav().is_none() {
         return both::compare(args, &focuser, scenario.as_ref(), out);
     }
     let channels = focuser.channels();
-    let names: Vec<String> =
-        channels.iter().map(|channel| recording.header.channels[*channel].name.clone()).collect();
+    let names = names(&recording, &channels);
     let outputs = Outputs::plan(args, &names)?;
     let begun = Instant::now();
-    let focused: Vec<Focused> = channels
-        .iter()
-        .map(|channel| {
-            let image = image(&focuser, *channel)?;
-            Ok(Focused { image, targets: focuser.targets(*channel)? })
-        })
-        .collect::<Result<_, _>>()
-        .map_err(FocusError::at(path))?;
+    let (mut images, mut targets) = (Vec::new(), Vec::new());
+    for channel in channels {
+        images.push(image(&focuser, channel).map_err(at(path))?);
+        targets.push(focuser.targets(channel).map_err(at(path))?);
+    }
     let seconds = begun.elapsed().as_secs_f64();
-    let shown: Vec<(&Image, FocusNav)> = focused.iter().map(|f| (&f.image, args.nav())).collect();
+    let shown: Vec<(&Image, Nav)> = images.iter().map(|image| (image, args.nav())).collect();
     let made = outputs.write(args, &recording, &shown, &names)?;
-    let report = report::report(args, &focuser, &focused, seconds, made)?;
-    report::print(args, &report, out)
+    let report = report::report(args, &focuser, (&images, &targets), seconds, &made)?;
+    print(args, report, &made, out)
+}
+
+/// Prints a report; files that were made are said of beside its text.
+fn print(args: &FocusArgs, report: Report, made: &[PathBuf], out: &mut dyn Write) -> Result<(), CliError> {
+    report.print(args.json, out)?;
+    if !args.json {
+        made.iter().for_each(|path| say(escape::path(path)));
+    }
+    Ok(())
+}
+
+/// Names of the channels at such places.
+fn names(recording: &Recording, channels: &[usize]) -> Vec<String> {
+    channels.iter().map(|channel| recording.header.channels[*channel].name.clone()).collect()
 }
 
 /// A recording's samples as asked for, and the scenario that it holds, where that can be read.
-fn open(args: &FocusArgs, path: &Path) -> Result<(Recording, Option<Scenario>), FocusError> {
-    let range = args.pulses.map(|p| p.first..p.end);
+fn open(args: &FocusArgs, path: &Path) -> Result<(Recording, Option<Scenario>), CliError> {
     let choose = |header: &Header| channels(args, path, header);
-    let recording = Recording::open_channels(path, range, available_bytes(), choose)?;
+    let opened = Recording::open_channels(path, args.pulses.map(Into::into), available_bytes(), choose);
+    let recording = opened.map_err(|error| match error {
+        CliError::Recording(source) => at(path)(source.into()),
+        error => error,
+    })?;
     let scenario = Scenario::of(&recording);
     let Header { config, instrument, truth, .. } = &recording.header;
     // What was received over the wire has none.
@@ -265,8 +240,8 @@ fn open(args: &FocusArgs, path: &Path) -> Result<(Recording, Option<Scenario>), 
 }
 
 /// The image of a channel, with its progress shown.
-fn image(focuser: &Focuser, channel: usize) -> Result<Image, focus::FocusError> {
-    let image = progress::focusing(|done| focuser.image(channel, done))?;
+fn image(focuser: &Focuser, channel: usize) -> Result<Image, FocusError> {
+    let image = progress::counting("pulses focused", |done| focuser.image(channel, done))?;
     if image.values.iter().all(|z| *z == Complex32::ZERO) {
         let name = one_line(&image.channel);
         let band = image.doppler_hz.map_or(String::new(), |hz| {
@@ -277,44 +252,42 @@ fn image(focuser: &Focuser, channel: usize) -> Result<Image, focus::FocusError> 
     Ok(image)
 }
 
-fn check(args: &FocusArgs) -> Result<(), FocusError> {
+fn check(args: &FocusArgs) -> Result<(), Refused> {
     both::check(args)?;
-    let bad = |key, found: String, allowed| Err(FocusError::Value { key, found, allowed });
-    if !(args.centre_m.is_empty() || args.centre_m.len() == 2) {
-        return bad("centre-m", format!("{:?}", args.centre_m), "two numbers X,Y");
-    }
-    if !(1..=2).contains(&args.size_m.len()) {
-        return bad("size-m", format!("{:?}", args.size_m), "one or two numbers above 0");
-    }
-    if let Some(percentile) = args.percentile.filter(|percent| !(*percent > 0.0 && *percent <= 100.0)) {
-        return bad("percentile", percentile.to_string(), "a number above 0, up to 100");
-    }
-    if !(args.dynamic_db > 0.0 && args.dynamic_db <= 300.0) {
-        return bad("dynamic-db", args.dynamic_db.to_string(), "a number above 0, up to 300");
-    }
-    if !(1..=4096).contains(&args.looks) {
-        return bad("looks", args.looks.to_string(), "a whole number from 1 to 4096");
-    }
-    if !(-100.0..0.0).contains(&args.interpolation_db) {
-        return bad("interpolation-db", args.interpolation_db.to_string(), "a number from -100 to below 0");
-    }
-    Ok(())
+    let FocusArgs { centre_m, size_m, dynamic_db, looks, interpolation_db, .. } = args;
+    let refused = if !matches!(centre_m[..], [] | [_, _]) {
+        Refused::value("centre-m", format!("{centre_m:?}"), "two numbers X,Y")
+    } else if !(1..=2).contains(&size_m.len()) {
+        Refused::value("size-m", format!("{size_m:?}"), "one or two numbers above 0")
+    } else if let Some(percentile) = args.percentile.filter(|percent| !(*percent > 0.0 && *percent <= 100.0))
+    {
+        Refused::value("percentile", percentile, "a number above 0, up to 100")
+    } else if !(*dynamic_db > 0.0 && *dynamic_db <= 300.0) {
+        Refused::value("dynamic-db", dynamic_db, "a number above 0, up to 300")
+    } else if !(1..=4096).contains(looks) {
+        Refused::value("looks", looks, "a whole number from 1 to 4096")
+    } else if !(-100.0..0.0).contains(interpolation_db) {
+        Refused::value("interpolation-db", interpolation_db, "a number from -100 to below 0")
+    } else {
+        return Ok(());
+    };
+    Err(refused)
 }
 
 /// Channels asked for, or all of echoes. Those of calibration bear a word in place of two polarisations.
-fn channels(args: &FocusArgs, path: &Path, header: &Header) -> Result<Vec<usize>, FocusError> {
+fn channels(args: &FocusArgs, path: &Path, header: &Header) -> Result<Vec<usize>, CliError> {
     let all = &header.channels;
     let echoes: Vec<usize> = (0..all.len()).filter(|place| all[*place].is_of_echoes()).collect();
     if echoes.is_empty() {
-        return Err(FocusError::at(path)(focus::FocusError::NoEchoes));
+        return Err(at(path)(FocusError::NoEchoes));
     }
     if args.channel.is_empty() {
         return Ok(echoes);
     }
     let allowed = || echoes.iter().map(|place| one_line(&all[*place].name)).collect::<Vec<_>>().join(", ");
     let place = |name: &String| match all.iter().position(|channel| channel.name == *name) {
-        None => Err(FocusError::Channel { name: name.clone(), allowed: allowed() }),
-        Some(place) if !echoes.contains(&place) => Err(FocusError::Calibration {
+        None => Err(Refused::Channel { name: name.clone(), allowed: allowed() }),
+        Some(place) if !echoes.contains(&place) => Err(Refused::Calibration {
             name: name.clone(),
             kind: all[place].polarisations.clone(),
             allowed: allowed(),

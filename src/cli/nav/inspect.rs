@@ -30,7 +30,7 @@ pub struct NavInspectArgs {
 /// Reports what a recording holds.
 pub(super) fn inspect(args: &NavInspectArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let how = args.source.reading();
-    let recorded = Recorded::read(&args.file, &how).map_err(super::NavToolError::from)?;
+    let recorded = Recorded::read(&args.file, &how)?;
     let mut report = Report::default();
     let (file, format) = (args.file.display().to_string(), recorded.encoding.name());
     report.row("file", name(&file)).value("file", &file);

@@ -1,33 +1,26 @@
 //! `nereus nav`: recorded navigation inspected, converted, played, corrupted, and changed in a run under way.
 
-mod convert;
-mod corrupt;
-mod error;
-mod inject;
 mod inspect;
-mod play;
+mod rewrite;
 
 use std::io::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 
-use super::error::CliError;
+use super::error::{CliError, Refused};
 use super::scenario::ForceArg;
+use super::values::{Word, one_of};
 use super::{escape, say};
-use crate::files::{self, Draft, Holding, Recognised};
-use crate::inputs;
-use crate::nav::inspection::{Encoding, InspectionError, Reading, Recorded};
-use crate::nav::solution::{Solution, derive_velocities};
-use crate::nav::{Place, VerticalDatum};
-use crate::sinks::port;
+use crate::nav::VerticalDatum;
+use crate::nav::corruption::{self, Chances, Corrupted};
+use crate::nav::inspection::{Encoding, InspectionError, Reading};
+use crate::nav::replay::read_bytes;
+use crate::pipeline::control_lines;
+use crate::pipeline::nav_output::write_file;
 
-pub use convert::NavConvertArgs;
-pub use corrupt::NavCorruptArgs;
-pub use error::NavToolError;
-pub use inject::NavInjectArgs;
-pub use inspect::NavInspectArgs;
-pub use play::NavPlayArgs;
+use inspect::NavInspectArgs;
+use rewrite::{NavConvertArgs, NavPlayArgs};
 
 /// `nereus nav`
 #[derive(Debug, Args)]
@@ -53,54 +46,31 @@ pub enum NavCommand {
 }
 
 /// Formats that are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Source {
-    /// Comma-separated values
-    Csv,
-    /// NMEA 0183 log, NovAtel messages among it
-    Nmea,
-    /// NovAtel INSPVAX, ASCII or binary
-    Inspvax,
-    /// Smoothed best estimate of trajectory (needs --gps-week)
-    Sbet,
-    /// Capture of a receiver's messages on a network, gzipped or not
-    Pcap,
-}
-
-/// Formats that are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Target {
-    /// Comma-separated values
-    Csv,
-    /// NMEA 0183 sentences
-    Nmea,
-    /// NovAtel INSPVAX, ASCII
-    Inspvaxa,
-    /// NovAtel INSPVAX, binary
-    Inspvaxb,
-}
-
+const ENCODINGS: [Word<Encoding>; 5] = [
+    ("csv", "Comma-separated values", Encoding::Csv),
+    ("nmea", "NMEA 0183 log, NovAtel messages among it", Encoding::Nmea),
+    ("inspvax", "NovAtel INSPVAX, ASCII or binary", Encoding::Inspvax),
+    ("sbet", "Smoothed best estimate of trajectory (needs --gps-week)", Encoding::Sbet),
+    ("pcap", "Capture of a receiver's messages on a network, gzipped or not", Encoding::Pcap),
+];
 /// What heights of a recording are measured from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Datum {
-    /// WGS-84 ellipsoid
-    Ellipsoid,
-    /// Mean sea level
-    Msl,
-}
+const DATUMS: [Word<VerticalDatum>; 2] = [
+    ("ellipsoid", "WGS-84 ellipsoid", VerticalDatum::Ellipsoid),
+    ("msl", "Mean sea level", VerticalDatum::MeanSeaLevel),
+];
 
 /// How a recording is read.
 #[derive(Clone, Debug, Args)]
 pub struct SourceArgs {
     /// Format of the file [default: from what is in it, and its name]
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    pub from: Option<Source>,
+    #[arg(long, value_parser = one_of(ENCODINGS), value_name = "FORMAT")]
+    pub from: Option<Encoding>,
     /// GPS week of the first record of an SBET
     #[arg(long, value_name = "WEEK")]
     pub gps_week: Option<u32>,
     /// What heights are measured from, where the file does not say (CSV, GGA without separation)
-    #[arg(long, value_enum, default_value = "ellipsoid")]
-    pub datum: Datum,
+    #[arg(long, value_parser = one_of(DATUMS), default_value = "ellipsoid")]
+    pub datum: VerticalDatum,
     /// Height of mean sea level above the ellipsoid
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true)]
     pub undulation_m: f64,
@@ -108,102 +78,75 @@ pub struct SourceArgs {
 
 impl SourceArgs {
     fn reading(&self) -> Reading {
-        Reading {
-            encoding: self.from.map(|from| match from {
-                Source::Csv => Encoding::Csv,
-                Source::Nmea => Encoding::Nmea,
-                Source::Inspvax => Encoding::Inspvax,
-                Source::Sbet => Encoding::Sbet,
-                Source::Pcap => Encoding::Pcap,
-            }),
-            gps_week: self.gps_week,
-            datum: match self.datum {
-                Datum::Ellipsoid => VerticalDatum::Ellipsoid,
-                Datum::Msl => VerticalDatum::MeanSeaLevel,
-            },
-            undulation_m: self.undulation_m,
-        }
+        let &Self { from: encoding, gps_week, datum, undulation_m } = self;
+        Reading { encoding, gps_week, datum, undulation_m }
     }
 }
 
-/// How states are written.
-#[derive(Clone, Debug, Args)]
-pub struct TargetArgs {
-    /// Format to write [default: csv, nmea or inspvaxb, from the name of the output; nmea for ports]
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    pub to: Option<Target>,
-    /// NMEA sentences, in this order
-    #[arg(long, value_delimiter = ',', default_value = "GGA,RMC,VTG,HDT,ZDA,GST,PASHR", value_parser = sentence)]
-    pub sentences: Vec<crate::nav::encode::Sentence>,
-}
-
-/// How a recording is read, and written again.
-#[derive(Clone, Debug, Args)]
-pub struct RewriteArgs {
-    /// How it is read
-    #[command(flatten)]
-    pub source: SourceArgs,
-    /// How it is written
-    #[command(flatten)]
-    pub target: TargetArgs,
+/// `nereus nav corrupt`
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct NavCorruptArgs {
+    /// The file
+    pub file: PathBuf,
+    /// The file to make
+    pub out: PathBuf,
+    /// Chance of a byte to be lost
+    #[arg(long, value_name = "P", default_value_t = 1e-4)]
+    pub drop: f64,
+    /// Chance of a byte to have one of its bits flipped
+    #[arg(long, value_name = "P", default_value_t = 1e-4)]
+    pub flip: f64,
+    /// Chance of a stretch of 1 to 200 bytes to be cut out behind a byte
+    #[arg(long, value_name = "P", default_value_t = 1e-5)]
+    pub cut: f64,
+    /// The same seed corrupts the same bytes
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
     /// Files that exist
     #[command(flatten)]
     pub overwrite: ForceArg,
 }
 
-fn sentence(text: &str) -> Result<crate::nav::encode::Sentence, &'static str> {
-    crate::nav::encode::Sentence::named(text).ok_or("allowed: GGA, RMC, VTG, HDT, ZDA, GST, PASHR")
+/// `nereus nav inject`
+#[derive(Debug, Args)]
+pub struct NavInjectArgs {
+    /// Socket of the run (its --control)
+    pub socket: PathBuf,
+    /// Command, such as step position.up 5 m (docs/control.md)
+    #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    pub line: Vec<String>,
 }
 
 /// Does what the arguments ask for.
 pub(super) fn nav(args: &NavArgs, out: &mut dyn Write) -> Result<(), CliError> {
     match &args.command {
         NavCommand::Inspect(args) => inspect::inspect(args, out),
-        NavCommand::Convert(args) => convert::convert(args),
-        NavCommand::Play(args) => play::play(args),
-        NavCommand::Corrupt(args) => corrupt::corrupt(args),
-        NavCommand::Inject(args) => inject::inject(args, out),
+        NavCommand::Convert(args) => rewrite::convert(args),
+        NavCommand::Play(args) => rewrite::play(args),
+        NavCommand::Corrupt(args) => corrupt(args),
+        NavCommand::Inject(args) => {
+            let answer = control_lines::command(&args.socket, &args.line.join(" "))?;
+            writeln!(out, "{answer}").map_err(CliError::Output)
+        }
     }
 }
 
-/// The states of a recording, to be written elsewhere. Velocities that it does not have are derived.
-fn solutions(path: &Path, args: &SourceArgs) -> Result<Vec<Solution>, NavToolError> {
-    let recording = Recorded::read(path, &args.reading())?.track.map_err(InspectionError::from)?;
-    say(format_args!("{}: {}", escape::path(path), recording.report));
-    if recording.fixes.iter().any(|fix| matches!(fix.place, Place::Local(_))) {
-        return Err(NavToolError::Local { path: path.to_owned() });
+fn corrupt(args: &NavCorruptArgs) -> Result<(), CliError> {
+    let &NavCorruptArgs { drop, flip, cut, seed, .. } = args;
+    for (key, value) in [("drop", drop), ("flip", flip), ("cut", cut)] {
+        if !(0.0..=1.0).contains(&value) {
+            return Err(Refused::value(key, value, "0 to 1").into());
+        }
     }
-    let mut solutions: Vec<Solution> =
-        recording.fixes.iter().filter_map(|fix| Solution::of_fix(fix, args.undulation_m)).collect();
-    let derived = derive_velocities(&mut solutions);
-    if derived > 0 {
-        say(format_args!("velocities of {derived} fixes derived from their neighbours"));
-    }
-    Ok(solutions)
-}
-
-/// Makes a file; one that exists is replaced only by force, and only if it begins like navigation.
-fn write_file(path: &Path, force: bool, bytes: &[u8]) -> Result<(), NavToolError> {
-    let fault = |source| NavToolError::Write { path: path.to_owned(), source };
-    // A pipe or a device is written as it is.
-    if force && std::fs::metadata(path).is_ok_and(|data| !(data.is_file() || data.is_dir())) {
-        return std::fs::OpenOptions::new()
-            .write(true)
-            .open(path)
-            .and_then(|mut f| f.write_all(bytes))
-            .map_err(fault);
-    }
-    files::preflight(path, force, &recognise)?;
-    let (draft, mut file) = Draft::file(path)?;
-    if let Err(source) = file.write_all(bytes) {
-        draft.abandon();
-        return Err(fault(source));
-    }
-    Ok(draft.finish(force, &recognise).map(|_| ())?)
-}
-
-/// Messages, or a table as `nav convert` makes it.
-fn recognise(path: &Path) -> Recognised {
-    let is_table = inputs::beginning(path, 15).is_some_and(|start| start == b"unix_s,lat_deg,");
-    if is_table { Ok(Holding::File) } else { port::recognise(path) }
+    let bytes = read_bytes(&args.file).map_err(InspectionError::from)?;
+    let (corrupted, counts) = corruption::corrupt(&bytes, Chances { drop, flip, cut }, seed);
+    write_file(&args.out, args.overwrite.force, &corrupted)?;
+    let Corrupted { dropped, flipped, cuts, cut_bytes } = counts;
+    say(format_args!(
+        "{}: {} bytes; {dropped} dropped, {flipped} with a bit flipped, {cut_bytes} cut in {cuts} stretches",
+        escape::path(&args.out),
+        corrupted.len()
+    ));
+    Ok(())
 }

@@ -1,44 +1,26 @@
 //! `nereus sea`: the sea of a scenario at a time, as a map and a picture, and its state for reuse.
 //!
-//! The map is that of the patch at pulse 0; a patch that follows moves over the same water. With ships, whose
-//! waves are part of the map, it lies where it does at the time asked. Files:
-//! [`map_file`](crate::recording::map_file) with format `nereus-sea`, [`picture`](crate::plot::picture),
-//! [`state`](crate::sea::surface::state).
+//! The map is [`SeaMap`]'s. Files: [`map_file`](crate::recording::map_file) with format `nereus-sea`,
+//! [`picture`](crate::plot::picture), [`state`](crate::sea::surface::state).
 
-mod error;
-pub(super) mod field;
-mod paths;
+mod map;
 pub mod snapshot;
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use serde::Serialize;
 
-pub use error::SeaError;
-pub use field::{Field, MapArgs};
+pub(super) use map::{MapArgs, files, outputs, sea_of};
 
 use super::error::CliError;
-use super::outputs::outputs;
 use super::report::Report;
-use super::warn;
-use crate::adequacy::patch_at;
+use crate::adequacy::sea_map::SeaMap;
 use crate::config::Run;
-use crate::pipeline::fault::BuildErrors;
-use crate::recording::field_file::Attribute;
-use crate::recording::map_file::{Layer, sea_layers};
-use crate::recording::output::{FileKind, Output, OutputError};
-use crate::scene::Patch;
-use crate::scene::sea::{Sea, Waves};
-use crate::sea::facet_surface::FacetSurface;
-use crate::sea::fleet::Fleet;
-use crate::sea::realise::{Realised, realise};
+use crate::recording::output::FileKind;
+use crate::scene::sea::Waves;
 use crate::sea::summary::Summary;
-use crate::sea::surface::choppy::Choppy;
-use crate::sea::surface::{Fields, Selection};
-use field::{files, write_map};
+use crate::sea::surface::Selection;
 
 /// `nereus sea`
 #[derive(Debug, Args)]
@@ -51,81 +33,39 @@ pub struct SeaArgs {
     pub save_state: Option<PathBuf>,
 }
 
-/// The sea of a run at a time.
-pub struct SeaMap {
-    realised: Realised,
-    patch: Patch,
-    fields: Fields<f64>,
-    summary: Summary,
-}
-
-impl SeaMap {
-    /// Every field, facet by facet from South to North and in a row from West to East.
-    pub fn layers(&self) -> [Layer<'_>; 11] {
-        sea_layers(&self.fields)
-    }
-
-    /// Centres of the facets, East and North, m.
-    pub fn axes_m(&self) -> [Vec<f64>; 2] {
-        let Patch { facets, facet_m, first } = self.patch;
-        [0, 1].map(|axis| {
-            let places = first[axis]..first[axis] + facets[axis] as i64;
-            places.map(|place| place as f64 * facet_m).collect()
-        })
-    }
-
-    /// The sea in figures: what `nereus sea --json` prints.
-    pub fn summary(&self) -> impl Serialize {
-        &self.summary
-    }
-}
+/// Fields that a map holds.
+const WRITTEN: Selection = Selection { slope_rate: false, ..Selection::ALL };
 
 /// The sea of a run at a time after pulse 0, with every field.
 ///
 /// # Errors
 /// A run without sea, and what keeps it from being made.
 pub fn sea_at(run: &Run, time_s: f64) -> Result<SeaMap, CliError> {
-    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: run.path.clone() })?;
-    evaluate(run, sea, time_s, Selection { slope_rate: false, ..Selection::ALL })
-}
-
-fn evaluate(run: &Run, sea: &Sea, time_s: f64, selection: Selection) -> Result<SeaMap, CliError> {
-    let realised = realise(sea, run.scene.seed).map_err(SeaError::from)?;
-    let ships = &run.scene.ships;
-    // Ships do not repeat with the waves of the wind: it matters where the patch lies.
-    let patch = if ships.is_empty() { sea.patch } else { patch_at(run, sea, time_s)? };
-    let fleet = Fleet::muster(ships, &[(time_s, patch)]).map_err(BuildErrors::from)?;
-    let choppy = (sea.waves == Waves::Choppy).then(|| Choppy::of(&realised.surface));
-    let surface = FacetSurface::new(&realised.surface, selection).with_choppy(choppy);
-    let mut surface = surface.with_wakes(&fleet.wakes, &patch).map_err(SeaError::from)?;
-    let mut fields = surface.fields(&patch);
-    surface.evaluate(time_s, &patch, &mut fields).map_err(SeaError::from)?;
-    let summary = Summary::new(&realised, &patch, &fields, time_s);
-    Ok(SeaMap { realised, patch, fields, summary })
+    Ok(SeaMap::of(run, sea_of(run, &run.path)?, time_s, WRITTEN)?)
 }
 
 /// Makes the files that the arguments ask for, and reports what sea it is.
 pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let SeaArgs { map: asked, save_state } = args;
-    let run = asked.scenario.load(&[])?;
-    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
-    let sea = run.scene.sea.as_ref().ok_or_else(|| SeaError::NoSea { path: run.path.clone() })?;
+    let run = asked.scenario.load_and_warn()?;
+    let sea = sea_of(&run, &run.path)?;
     let [map, picture, state] = outputs(
         [(&asked.out, FileKind::Hdf5), (&asked.png, FileKind::Png), (save_state, FileKind::SeaState)],
         asked.output.overwrite.force,
     )?;
-    let SeaMap { realised, patch, fields, summary } = evaluate(&run, sea, asked.time_s, selection(asked))?;
+    // The summary wants height and slopes.
+    let selection = Selection { slopes: true, ..asked.selection(WRITTEN) };
+    let made = SeaMap::of(&run, sea, asked.time_s, selection)?;
     if let Some(output) = state {
-        save(output, &realised)?;
+        made.save_state::<CliError>(output)?;
     }
     if let Some(output) = map {
-        write_map(output, "nereus-sea", &run.text, &attributes(&summary), &patch, &fields)?;
+        made.save::<CliError>(output, &run.text)?;
     }
     if let Some(output) = picture {
-        let title = format!("{}, {} s", asked.field.title(), asked.time_s);
-        asked.field.draw(output, &title, &patch, &fields)?;
+        made.draw(asked.field)?.save(output)?;
     }
-    let mut report = report(&summary);
+    let mut report = report(made.figures());
     if sea.waves == Waves::Choppy {
         report.line("choppy waves: heights and slopes are those of the facets where the displacement has carried them");
     }
@@ -134,33 +74,6 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
         report.line("no file was asked for: --out, --png, --save-state");
     }
     report.say(asked.output.format.json, out)
-}
-
-/// Everything that is written; the summary wants height and slopes.
-fn selection(args: &MapArgs) -> Selection {
-    if args.out.is_some() {
-        return Selection { slope_rate: false, ..Selection::ALL };
-    }
-    let wanted = if args.png.is_some() { args.field.selection() } else { Selection::HEIGHT };
-    Selection { slopes: true, ..wanted }
-}
-
-fn save(output: Output, realised: &Realised) -> Result<(), SeaError> {
-    output.write(|partial| {
-        let file = File::create_new(partial).map_err(OutputError::io(partial, "making the file"))?;
-        Ok(realised.surface.save(&mut BufWriter::new(file))?)
-    })
-}
-
-fn attributes(summary: &Summary) -> [(&'static str, Attribute<'static>); 6] {
-    [
-        ("seed", Attribute::Whole(summary.seed)),
-        ("time_s", Attribute::Real(summary.time_s)),
-        ("facet_m", Attribute::Real(summary.facet_m)),
-        ("wind_10m_mps", Attribute::Real(summary.wind_10m_mps)),
-        ("significant_height_m", Attribute::Real(summary.significant_height_m)),
-        ("expected_significant_height_m", Attribute::Real(summary.expected_significant_height_m)),
-    ]
 }
 
 fn report(summary: &Summary) -> Report {

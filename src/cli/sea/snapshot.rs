@@ -13,24 +13,19 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::field::files;
-use super::{SeaError, paths};
-use crate::cli::error::CliError;
-use crate::cli::outputs::{axes, channel_number, outputs, save_png};
+use super::{files, outputs};
+use crate::cli::error::{CliError, Refused};
 use crate::cli::report::Report;
 use crate::cli::scenario::{OutputArgs, ScenarioArgs};
 use crate::cli::values::counts;
-use crate::cli::warn;
+use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::paths::snapshot::Snapshot;
-use crate::pipeline::{changing, fault};
-use crate::plot::colours::ColourMap;
-use crate::plot::picture::{Limits, Picture, Reduction};
-use crate::recording::output::{FileKind, Output};
-use crate::recording::snapshot_file;
-
-/// Decibels that the colours of a picture span.
-const SPAN_DB: f64 = 60.0;
+use crate::pipeline::changing;
+use crate::pipeline::fault::{BuildError, BuildErrors};
+use crate::plot::patch::contributions;
+use crate::recording::output::FileKind;
+use crate::recording::{path_file, snapshot_file};
 
 /// `nereus snapshot`
 #[derive(Debug, Args)]
@@ -61,46 +56,49 @@ pub struct SnapshotArgs {
 
 /// Makes the files that the arguments ask for, and reports what is illuminated.
 pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let run = args.scenario.load(&[])?;
-    warn(run.warnings.iter().filter(|warning| !warning.is_of_sinks()));
+    let run = args.scenario.load_and_warn()?;
     let scene = &run.scene;
-    let no_sea = || SeaError::NoSea { path: args.scenario.config.clone() };
     let mapped = args.out.is_some() || args.png.is_some();
-    if scene.sea.is_none() && (mapped || args.paths.is_none()) {
-        return Err(no_sea().into());
+    if mapped || args.paths.is_none() {
+        super::sea_of(&run, &args.scenario.config)?;
     }
     let names: Vec<&str> = scene.radar.channels.iter().map(|channel| channel.name.as_str()).collect();
     let shown = match &args.channel {
         None => names.len() - 1,
-        Some(name) => channel_number(scene, name)?,
+        Some(name) => channel_of(&run, name)?,
     };
     if args.pulse >= scene.pulses {
-        return Err(SeaError::NoPulse { pulse: args.pulse, pulses: scene.pulses }.into());
+        return Err(Refused::NoPulse { pulse: args.pulse, pulses: scene.pulses }.into());
     }
     let asked = [&args.out, &args.paths, &args.png];
     let [hdf5, png] = [FileKind::Hdf5, FileKind::Png];
     let [map, list, picture] =
         outputs([(asked[0], hdf5), (asked[1], hdf5), (asked[2], png)], args.output.overwrite.force)?;
     let factory = changing::factory(&run, &Fidelity::Reference)?;
-    let made = factory.snapshots(&[args.pulse]);
     // The pulse is in the run and the tracks cover it.
-    let snapshot = made.map_err(|error| fault::BuildErrors::from(fault::BuildError::Radar(error)))?.pop();
+    let lost = |error| BuildErrors::from(BuildError::Radar(error));
+    let snapshot = factory.snapshots(&[args.pulse]).map_err(lost)?.pop();
     let mut report = Report::default();
     add_facets(&mut report, args.pulse, &names, snapshot.as_ref());
     if let Some(snapshot) = &snapshot {
         if let Some(output) = map {
             output.write(|partial| {
-                Ok::<_, SeaError>(snapshot_file::write(partial, scene, &run.text, snapshot)?)
+                Ok::<_, CliError>(snapshot_file::write(partial, scene, &run.text, snapshot)?)
             })?;
         }
         if let Some(output) = picture {
-            draw(output, names[shown], snapshot, shown)?;
+            contributions(snapshot, shown, names[shown])?.save(output)?;
         }
     }
     files(&mut report, [("out", &args.out), ("png", &args.png), ("paths", &args.paths)]);
-    let count = list.map(|output| paths::write(output, &run, &factory, args.pulse)).transpose()?;
-    if let Some(count) = count {
-        report.line(format!("pulse {}: {count} paths", args.pulse));
+    let mut count = None;
+    if let Some(output) = list {
+        let (pulse, paths) = factory.scatterer_paths(args.pulse).map_err(lost)?;
+        let pairs = factory.channel_pairs();
+        let write = |path: &_| path_file::write(path, scene, &run.text, &pulse, pairs, &paths);
+        output.write(|partial| Ok::<_, CliError>(write(partial)?))?;
+        report.line(format!("pulse {}: {} paths", args.pulse, paths.len()));
+        count = Some(paths.len());
     }
     report.value("path_count", count);
     if !mapped && args.paths.is_none() {
@@ -134,21 +132,11 @@ fn add_facets(report: &mut Report, pulse: u64, names: &[&str], snapshot: Option<
     report.value("received", received).value("channels", channels);
 }
 
-fn draw(output: Output, name: &str, snapshot: &Snapshot, channel: usize) -> Result<(), SeaError> {
-    let values = snapshot.power_dbw(channel);
-    let title = format!("Contribution of each facet, {name}, pulse {}", snapshot.index);
-    let [x, y] = axes(&snapshot.patch);
-    let picture = Picture {
-        title: &title,
-        x,
-        y,
-        quantity: "dBW",
-        colours: ColourMap::Deep,
-        limits: Limits::Below { percent: 99.9, span: SPAN_DB },
-        reduction: Reduction::MeanPower,
-        masked: "dark",
-        scale_bar: Some("m"),
-        ..Picture::new(&values, snapshot.patch.facets)?
-    };
-    save_png(output, &picture)
+/// The number of a channel of a run.
+pub(in crate::cli) fn channel_of(run: &Run, name: &str) -> Result<usize, Refused> {
+    let all = &run.scene.radar.channels;
+    all.iter().position(|channel| channel.name == name).ok_or_else(|| {
+        let known: Vec<&str> = all.iter().map(|channel| channel.name.as_str()).collect();
+        Refused::NoChannel { name: name.to_owned(), known: known.join(", ") }
+    })
 }

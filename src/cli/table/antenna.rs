@@ -4,11 +4,10 @@ use std::io::Write;
 
 use clap::{Args, ValueEnum};
 
-use super::csv::{self, Cell};
-use super::error::TableError;
+use super::csv::{Cell, Table};
 use super::sweep::{AngleSweep, Usual};
-use crate::cli::error::CliError;
-use crate::cli::values::within;
+use crate::cli::error::{CliError, Refused};
+use crate::cli::values::{Word, one_of, within};
 use crate::frames::Vector;
 use crate::radar::antenna::Antenna;
 use crate::scene::radar::Pattern;
@@ -34,12 +33,16 @@ pub struct TableAntennaArgs {
     #[arg(long)]
     pub carrier_hz: f64,
     /// Plane of the cut
-    #[arg(long, value_enum, default_value_t = Cut::Az)]
-    pub cut: Cut,
+    #[arg(long, value_parser = one_of(CUTS), default_value = "az")]
+    pub cut: [f64; 2],
     /// Angles from boresight
     #[command(flatten)]
     pub sweep: AngleSweep,
 }
+
+/// Planes of a cut through the boresight; in each the place of the angle's sine among the components across.
+const CUTS: [Word<[f64; 2]>; 2] =
+    [("az", "Azimuth: along the width", [1.0, 0.0]), ("el", "Elevation: along the height", [0.0, 1.0])];
 
 /// Shape of an aperture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -54,15 +57,6 @@ pub enum Aperture {
     Isotropic,
 }
 
-/// Plane of a cut through the boresight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Cut {
-    /// Azimuth: along the width
-    Az,
-    /// Elevation: along the height
-    El,
-}
-
 /// Prints the table.
 pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let pattern = pattern(args)?;
@@ -70,15 +64,12 @@ pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<()
     let angles_deg = args.sweep.sweep().values(Usual::steps(-5.0, 5.0, 0.05))?;
     within("--from-deg/--to-deg", &angles_deg, [-90.0, 90.0])?;
     let antenna = Antenna::open(&pattern, wavelength_m)?;
-    let mut table = csv::Table::new(out);
+    let mut table = Table::new(out);
     for angle_deg in angles_deg {
         let (ahead, cosine) = cos_sin_of_degrees(angle_deg);
-        let direction = match args.cut {
-            Cut::Az => Vector::new(ahead, cosine, 0.0),
-            Cut::El => Vector::new(ahead, 0.0, cosine),
-        };
+        let [across, up] = args.cut;
         // Apertures have a real field.
-        let field = antenna.field_gain(direction).re;
+        let field = antenna.field_gain(Vector::new(ahead, across * cosine, up * cosine)).re;
         let cells = [
             ("angle_deg", Cell::Given(angle_deg)),
             ("direction_cosine", Cell::Value(cosine)),
@@ -90,38 +81,28 @@ pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<()
     Ok(())
 }
 
-fn pattern(args: &TableAntennaArgs) -> Result<Pattern, TableError> {
+fn pattern(args: &TableAntennaArgs) -> Result<Pattern, CliError> {
+    if args.shape == Aperture::Isotropic {
+        within("--gain-dbi", &[args.gain_dbi], GAIN_RANGE_DBI)?;
+        return Ok(Pattern::Isotropic { gain_dbi: args.gain_dbi });
+    }
+    let width_m = size("--width-m", args.width_m)?;
+    let height_m = if args.shape == Aperture::Circle { width_m } else { size("--height-m", args.height_m)? };
     Ok(match args.shape {
-        Aperture::Isotropic => {
-            within("--gain-dbi", &[args.gain_dbi], GAIN_RANGE_DBI)?;
-            Pattern::Isotropic { gain_dbi: args.gain_dbi }
-        }
-        Aperture::Rect => Pattern::Rectangle {
-            width_m: size("--width-m", args.width_m)?,
-            height_m: size("--height-m", args.height_m)?,
-        },
-        Aperture::Ellipse => Pattern::Ellipse {
-            width_m: size("--width-m", args.width_m)?,
-            height_m: size("--height-m", args.height_m)?,
-        },
-        Aperture::Circle => {
-            let diameter_m = size("--width-m", args.width_m)?;
-            Pattern::Ellipse { width_m: diameter_m, height_m: diameter_m }
-        }
+        Aperture::Rect => Pattern::Rectangle { width_m, height_m },
+        _ => Pattern::Ellipse { width_m, height_m },
     })
 }
 
 /// Gains of an isotropic antenna that mean something, dBi.
 const GAIN_RANGE_DBI: [f64; 2] = [-200.0, 200.0];
 
-fn size(key: &'static str, value: Option<f64>) -> Result<f64, TableError> {
-    match value {
-        Some(value) if value.is_finite() && value > 0.0 => Ok(value),
-        other => {
-            let value = other.map_or("(missing)".to_owned(), |value| value.to_string());
-            Err(TableError::Size { key, value })
-        }
-    }
+fn size(key: &'static str, value: Option<f64>) -> Result<f64, Refused> {
+    value.filter(|value| value.is_finite() && *value > 0.0).ok_or_else(|| Refused::NotAllowed {
+        key,
+        value: value.map_or("(missing)".to_owned(), |value| value.to_string()),
+        allowed: "a number above 0".to_owned(),
+    })
 }
 
 #[cfg(test)]

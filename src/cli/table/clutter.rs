@@ -4,12 +4,11 @@ use std::io::Write;
 
 use clap::Args;
 
-use super::TableError;
-use super::csv::{self, Cell};
+use super::csv::{Cell, Table, bound};
 use super::sweep::{AngleSweep, Usual};
 use crate::cli::error::CliError;
 use crate::cli::values::within;
-use crate::scattering::clutter_nrl::{self, Copolar, GRAZING_DEG, SeaState};
+use crate::scattering::clutter_nrl::{self, ClutterError, Copolar, GRAZING_DEG, SeaState};
 
 /// `nereus table sigma0-nrl`
 #[derive(Debug, Args)]
@@ -33,15 +32,14 @@ pub struct TableClutterArgs {
 
 impl TableClutterArgs {
     /// Sea states with their winds, m/s; what was given stays as it was given.
-    fn seas(&self) -> Result<Vec<(SeaState, f64)>, TableError> {
-        if !self.wind_mps.is_empty() {
-            let sea = |&wind_mps: &f64| Ok((SeaState::of_wind(wind_mps)?, wind_mps));
-            return self.wind_mps.iter().map(sea).collect();
+    fn seas(&self) -> Result<Vec<(SeaState, f64)>, ClutterError> {
+        let of_wind = |&wind_mps: &f64| Ok((SeaState::of_wind(wind_mps)?, wind_mps));
+        let of_number = |&number: &f64| SeaState::new(number).map(|sea| (sea, sea.wind_mps()));
+        match (&self.wind_mps[..], &self.sea_state[..]) {
+            ([], []) => (0..=6).map(|number| of_number(&f64::from(number))).collect(),
+            ([], states) => states.iter().map(of_number).collect(),
+            (winds_mps, _) => winds_mps.iter().map(of_wind).collect(),
         }
-        let every: Vec<f64> = (0..=6).map(f64::from).collect();
-        let listed = if self.sea_state.is_empty() { &every } else { &self.sea_state };
-        let sea = |&number: &f64| SeaState::new(number).map(|sea| (sea, sea.wind_mps()));
-        Ok(listed.iter().map(sea).collect::<Result<_, _>>()?)
     }
 }
 
@@ -52,31 +50,26 @@ pub(super) fn sigma0(args: &TableClutterArgs, out: &mut dyn Write) -> Result<(),
     let grazing = args.sweep.sweep().or_list("--grazing-deg", &args.grazing_deg, usual)?;
     within("--grazing-deg", &grazing, GRAZING_DEG)?;
     let seas = args.seas()?;
-    csv::bound(&[args.carrier_hz.len(), seas.len(), grazing.len()])?;
+    bound(&[args.carrier_hz.len(), seas.len(), grazing.len()])?;
     // All is computed before anything is printed: a carrier may be out of range.
     let mut rows = Vec::with_capacity(args.carrier_hz.len() * seas.len() * grazing.len());
     for &carrier_hz in &args.carrier_hz {
         for &(sea, u10_mps) in &seas {
             for &grazing_deg in &grazing {
-                let measured = clutter_nrl::sigma0(carrier_hz, grazing_deg.to_radians(), sea)
-                    .map_err(TableError::from)?;
-                rows.push((carrier_hz, sea, u10_mps, grazing_deg, measured));
+                let Copolar { hh, vv } = clutter_nrl::sigma0(carrier_hz, grazing_deg.to_radians(), sea)?;
+                rows.push([
+                    ("carrier_hz", Cell::Given(carrier_hz)),
+                    ("sea_state", Cell::Given(sea.number())),
+                    ("wave_height_m", Cell::Value(sea.wave_height_m())),
+                    ("u10_mps", Cell::Given(u10_mps)),
+                    ("grazing_deg", Cell::Given(grazing_deg)),
+                    ("incidence_deg", Cell::Given(90.0 - grazing_deg)),
+                    ("sigma0_hh_db", Cell::Decibels(hh)),
+                    ("sigma0_vv_db", Cell::Decibels(vv)),
+                ]);
             }
         }
     }
-    let mut table = csv::Table::new(out);
-    for (carrier_hz, sea, u10_mps, grazing_deg, Copolar { hh, vv }) in rows {
-        let cells = [
-            ("carrier_hz", Cell::Given(carrier_hz)),
-            ("sea_state", Cell::Given(sea.number())),
-            ("wave_height_m", Cell::Value(sea.wave_height_m())),
-            ("u10_mps", Cell::Given(u10_mps)),
-            ("grazing_deg", Cell::Given(grazing_deg)),
-            ("incidence_deg", Cell::Given(90.0 - grazing_deg)),
-            ("sigma0_hh_db", Cell::Decibels(hh)),
-            ("sigma0_vv_db", Cell::Decibels(vv)),
-        ];
-        table.row(&cells)?;
-    }
-    Ok(())
+    let mut table = Table::new(out);
+    rows.iter().try_for_each(|cells| table.row(cells))
 }

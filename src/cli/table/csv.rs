@@ -1,11 +1,10 @@
 //! Rows of a table.
 
 use std::fmt::{self, Display};
-use std::io::Write;
+use std::io::{self, Write};
 
 use super::MOST_ROWS;
-use super::error::TableError;
-use crate::cli::error::CliError;
+use crate::cli::error::{CliError, Refused};
 use crate::units::Decibels;
 
 /// A number (or name) of a row, as it is printed.
@@ -35,24 +34,6 @@ impl Display for Cell {
     }
 }
 
-/// Prints the row of names.
-pub(super) fn header<S: AsRef<str>>(out: &mut dyn Write, columns: &[S]) -> Result<(), CliError> {
-    let columns: Vec<&str> = columns.iter().map(S::as_ref).collect();
-    writeln!(out, "{}", columns.join(",")).map_err(CliError::Output)
-}
-
-/// Prints a row.
-pub(super) fn row(out: &mut dyn Write, cells: &[Cell]) -> Result<(), CliError> {
-    let mut print = || {
-        for (i, cell) in cells.iter().enumerate() {
-            let comma = if i == 0 { "" } else { "," };
-            write!(out, "{comma}{cell}")?;
-        }
-        writeln!(out)
-    };
-    print().map_err(CliError::Output)
-}
-
 /// A table whose rows name their columns; the names are printed before the first row.
 pub(super) struct Table<'a> {
     out: &'a mut dyn Write,
@@ -65,18 +46,29 @@ impl<'a> Table<'a> {
     }
 
     /// Prints a row.
-    pub fn row<const N: usize>(&mut self, cells: &[(&str, Cell); N]) -> Result<(), CliError> {
-        if !std::mem::replace(&mut self.begun, true) {
-            header(self.out, &cells.map(|(name, _)| name))?;
-        }
-        row(self.out, &cells.map(|(_, cell)| cell))
+    pub fn row(&mut self, cells: &[(&str, Cell)]) -> Result<(), CliError> {
+        let mut print = || {
+            if !std::mem::replace(&mut self.begun, true) {
+                line(self.out, cells.iter().map(|(name, _)| name))?;
+            }
+            line(self.out, cells.iter().map(|(_, cell)| cell))
+        };
+        print().map_err(CliError::Output)
     }
 }
 
+fn line(out: &mut dyn Write, texts: impl Iterator<Item = impl Display>) -> io::Result<()> {
+    for (i, text) in texts.enumerate() {
+        let comma = if i == 0 { "" } else { "," };
+        write!(out, "{comma}{text}")?;
+    }
+    writeln!(out)
+}
+
 /// Refuses a table of too many rows, given how many values each of its keys has.
-pub(super) fn bound(values: &[usize]) -> Result<(), TableError> {
+pub(super) fn bound(values: &[usize]) -> Result<(), Refused> {
     let rows = combinations(values);
-    if rows <= MOST_ROWS { Ok(()) } else { Err(TableError::Rows { rows, most: MOST_ROWS }) }
+    if rows <= MOST_ROWS { Ok(()) } else { Err(Refused::Rows { rows, most: MOST_ROWS }) }
 }
 
 /// How many combinations the values of several keys have.

@@ -3,20 +3,17 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use super::csv::{self, Cell};
-use super::error::TableError;
+use super::csv::{Cell, Table, bound};
 use super::sweep::{SpeedSweep, Usual};
 use crate::cli::error::CliError;
-use crate::cli::outputs::{plan, save_canvas};
 use crate::cli::scenario::ForceArg;
-use crate::cli::sea::SeaError;
-use crate::cli::values::within;
+use crate::cli::values::{Word, one_of, within};
 use crate::plot::body_plan;
-use crate::recording::output::FileKind;
-use crate::scene::hull::{Hull, Particulars, QUANTITIES};
-use crate::sea::wake::kochin::{self, Kochin, resistance_coefficient};
+use crate::recording::output::{FileKind, Output};
+use crate::scene::hull::{Hull, HullError, Particulars, QUANTITIES};
+use crate::sea::wake::kochin::{Kochin, Transom, resistance_coefficient};
 
 /// Density of sea water, kg/m^3.
 const DENSITY_KGPM3: f64 = 1025.0;
@@ -40,13 +37,13 @@ pub struct TableHullArgs {
 
 /// Prints the table.
 pub(super) fn hull(args: &TableHullArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let hulls = scaled(Hull::load(&args.file).map_err(TableError::from)?, &args.length_m)?;
-    csv::bound(&[hulls.len(), QUANTITIES.len()])?;
-    let picture = plan(args.png.as_ref(), FileKind::Png, args.overwrite.force).map_err(SeaError::from)?;
-    if let (Some(output), Some(hull)) = (picture, hulls.first()) {
-        save_canvas(output, &body_plan::draw(hull).map_err(SeaError::from)?)?;
+    let hulls = scaled(Hull::load(&args.file)?, &args.length_m)?;
+    bound(&[hulls.len(), QUANTITIES.len()])?;
+    if let (Some(png), Some(hull)) = (&args.png, hulls.first()) {
+        let picture = Output::plan(png, FileKind::Png, args.overwrite.force)?;
+        body_plan::draw(hull)?.save(picture)?;
     }
-    let mut table = csv::Table::new(out);
+    let mut table = Table::new(out);
     for hull in &hulls {
         let (found, stated) = (Particulars::of(hull), hull.stated());
         for ((quantity, computed), stated) in QUANTITIES.into_iter().zip(found.values()).zip(stated.values) {
@@ -86,7 +83,7 @@ pub struct TableWakeResistanceArgs {
     #[command(flatten)]
     sweep: SpeedSweep,
     /// What is behind an immersed transom
-    #[arg(long, value_enum, default_value_t = Transom::Open)]
+    #[arg(long, value_parser = one_of(TRANSOMS), default_value = "open")]
     transom: Transom,
     /// Density of the water, kg/m^3
     #[arg(long, value_name = "X", default_value_t = DENSITY_KGPM3)]
@@ -94,13 +91,10 @@ pub struct TableWakeResistanceArgs {
 }
 
 /// What is behind an immersed transom.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Transom {
-    /// A dry edge: no step behind the hull
-    Open,
-    /// A flat stern: the step is part of the hull
-    Capped,
-}
+const TRANSOMS: [Word<Transom>; 2] = [
+    ("open", "A dry edge: no step behind the hull", Transom::Open),
+    ("capped", "A flat stern: the step is part of the hull", Transom::Capped),
+];
 
 /// Prints the table.
 pub(super) fn wake_resistance(args: &TableWakeResistanceArgs, out: &mut dyn Write) -> Result<(), CliError> {
@@ -115,41 +109,35 @@ pub(super) fn wake_resistance(args: &TableWakeResistanceArgs, out: &mut dyn Writ
             Hull::wigley(100.0, 100.0 * beam, 100.0 * draught)
         }
     };
-    let hulls = scaled(hull.map_err(TableError::from)?, &args.length_m)?;
-    csv::bound(&[hulls.len(), speeds_mps.len()])?;
-    let transom = match args.transom {
-        Transom::Open => kochin::Transom::Open,
-        Transom::Capped => kochin::Transom::Capped,
-    };
+    let hulls = scaled(hull?, &args.length_m)?;
+    bound(&[hulls.len(), speeds_mps.len()])?;
     // Every row before the first is printed: one may be refused.
     let mut rows = Vec::new();
     for hull in &hulls {
         let wetted_surface_m2 = Particulars::of(hull).wetted_surface_m2;
         for &speed_mps in &speeds_mps {
-            let ship = Kochin::new(hull, speed_mps, transom).map_err(TableError::from)?;
+            let ship = Kochin::new(hull, speed_mps, args.transom)?;
             let density = args.density_kg_m3;
-            let resistance_n = ship.wave_resistance_n(density).map_err(TableError::from)?;
+            let resistance_n = ship.wave_resistance_n(density)?;
+            let cw = resistance_coefficient(resistance_n, speed_mps, density, wetted_surface_m2);
             rows.push([
                 ("length_m", Cell::Given(hull.length_m())),
                 ("speed_mps", Cell::Given(speed_mps)),
                 ("froude", Cell::Value(ship.froude())),
                 ("wetted_surface_m2", Cell::Value(wetted_surface_m2)),
                 ("resistance_n", Cell::Value(resistance_n)),
-                (
-                    "cw",
-                    Cell::Value(resistance_coefficient(resistance_n, speed_mps, density, wetted_surface_m2)),
-                ),
+                ("cw", Cell::Value(cw)),
             ]);
         }
     }
-    let mut table = csv::Table::new(out);
+    let mut table = Table::new(out);
     rows.iter().try_for_each(|cells| table.row(cells))
 }
 
 /// A hull at every length asked, or as it is.
-fn scaled(hull: Hull, lengths_m: &[f64]) -> Result<Vec<Hull>, TableError> {
+fn scaled(hull: Hull, lengths_m: &[f64]) -> Result<Vec<Hull>, HullError> {
     if lengths_m.is_empty() {
         return Ok(vec![hull]);
     }
-    Ok(lengths_m.iter().map(|length_m| hull.scaled_to_length(*length_m)).collect::<Result<_, _>>()?)
+    lengths_m.iter().map(|length_m| hull.scaled_to_length(*length_m)).collect()
 }

@@ -7,7 +7,6 @@
 mod antenna;
 mod clutter;
 mod csv;
-mod error;
 mod hull;
 mod sampling;
 mod scattering;
@@ -21,15 +20,14 @@ use std::io::Write;
 
 use clap::{Args, Subcommand};
 
-pub use antenna::{Aperture, Cut, TableAntennaArgs};
-pub use clutter::TableClutterArgs;
-pub use error::TableError;
-pub use hull::{TableHullArgs, TableWakeResistanceArgs, Transom};
-pub use sampling::{TableFacetDensityArgs, TableLeastLengthArgs};
-pub use scattering::{TableSigma0Args, TableSlopePdfArgs};
-pub use water::{TableFresnelArgs, TablePermittivityArgs};
-pub use waves::{TableMomentsArgs, TableSpectrumArgs, TableSpreadingArgs};
-pub use wind::TableWindArgs;
+use antenna::TableAntennaArgs;
+use clutter::TableClutterArgs;
+use hull::{TableHullArgs, TableWakeResistanceArgs};
+use sampling::{TableFacetDensityArgs, TableLeastLengthArgs};
+use scattering::{TableSigma0Args, TableSlopePdfArgs};
+use water::{TableFresnelArgs, TablePermittivityArgs};
+use waves::{TableMomentsArgs, TableSpectrumArgs, TableSpreadingArgs};
+use wind::TableWindArgs;
 
 use super::error::CliError;
 

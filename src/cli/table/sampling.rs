@@ -4,7 +4,7 @@ use std::io::Write;
 
 use clap::Args;
 
-use super::csv::{self, Cell};
+use super::csv::{Cell, Table, bound};
 use super::sea_keys::{SpectrumKeys, WindKeys, refuse_calm};
 use super::sweep::{FrequencySweep, SpeedSweep, Usual};
 use crate::cli::error::CliError;
@@ -37,10 +37,10 @@ pub(super) fn facet_density(args: &TableFacetDensityArgs, out: &mut dyn Write) -
     within("--carrier-hz", &carriers_hz, CARRIER_RANGE_HZ)?;
     // At the horizon itself every surface is smooth and no height is a limit.
     within("--incidence-deg", &args.incidence_deg, [0.0, 89.999])?;
-    let winds = args.wind.winds(0.0)?;
+    let winds = args.wind.winds()?;
     refuse_calm(&winds)?;
-    csv::bound(&[carriers_hz.len(), args.incidence_deg.len(), winds.len()])?;
-    let mut table = csv::Table::new(out);
+    bound(&[carriers_hz.len(), args.incidence_deg.len(), winds.len()])?;
+    let mut table = Table::new(out);
     for wind in &winds {
         for &incidence_deg in &args.incidence_deg {
             for &carrier_hz in &carriers_hz {
@@ -81,10 +81,8 @@ pub struct TableLeastLengthArgs {
 pub(super) fn least_length(args: &TableLeastLengthArgs, out: &mut dyn Write) -> Result<(), CliError> {
     within("--band-step", &args.band_step, [1e-3, 1.0])?;
     let winds = args.wind.listed_or_swept(args.sweep.sweep())?;
-    csv::bound(&[winds.len(), args.band_step.len()])?;
-    let seas = args.spectrum.spectra(&winds)?;
-    let mut table = csv::Table::new(out);
-    for (wind, sea) in winds.iter().zip(&seas) {
+    let mut table = Table::new(out);
+    for (wind, sea) in args.spectrum.spectra(&winds, &[args.band_step.len()])? {
         let [low, high] = sea.half_power_band_rad_m();
         for &band_step in &args.band_step {
             table.row(&[

@@ -1,30 +1,22 @@
 //! What the sea returns: radar cross section, and the density of slopes behind its specular part.
 
-use std::f64::consts::PI;
 use std::io::Write;
 
 use clap::{Args, ValueEnum};
-use glam::DVec3;
 
-use super::TableError;
-use super::csv::{self, Cell};
+use super::csv::{Cell, Table, bound};
 use super::sea_keys::{SpectrumKeys, WaterKeys, WindKeys, bound_seas};
-use super::sweep::{AngleSweep, SlopeSweep, Usual};
+use super::sweep::{AngleSweep, SlopeSweep, Sweep, Usual};
 use super::waves::WAVE_NUMBER_RANGE_RAD_M;
-use crate::cli::error::CliError;
-use crate::cli::values::within;
-use crate::scattering::breaking;
+use crate::cli::error::{CliError, Refused};
+use crate::cli::values::{Word, one_of, within};
 use crate::scattering::kind::Kind;
 use crate::scattering::kind::clean::Clean;
 use crate::scattering::kind::slick::Slick;
-use crate::scattering::modulation::of_bragg_waves_per_s;
+use crate::scattering::sigma0::{Relaxation, Seen, path};
 use crate::scattering::slope_pdf::SlopePdf;
-use crate::scattering::tilt::Path;
-use crate::scattering::two_scale::{self, Medium, TwoScale};
-use crate::scene::sea::LightWinds;
-use crate::scene::water::Dispersion;
-use crate::sea::spectrum::WaveVector;
-use crate::units::cos_sin_of_degrees;
+use crate::scattering::two_scale;
+use crate::scene::sea::{LightWinds, Splitting};
 
 /// Facets that may be asked for, m.
 const FACET_RANGE_M: [f64; 2] = [1e-3, 1e4];
@@ -40,6 +32,15 @@ pub enum Surface {
     Clean,
     /// Under an oil film
     Slick,
+}
+
+impl Surface {
+    fn kind(self) -> Box<dyn Kind> {
+        match self {
+            Self::Clean => Box::new(Clean),
+            Self::Slick => Box::new(Slick::default()),
+        }
+    }
 }
 
 /// `nereus table sigma0`
@@ -68,7 +69,7 @@ pub struct TableSigma0Args {
     #[arg(long, value_name = "F,...", value_delimiter = ',', default_value = "10e9")]
     carrier_hz: Vec<f64>,
     /// How waves are shared between specular and Bragg part
-    #[arg(long, value_enum, default_value_t = Splitting::Consistent)]
+    #[arg(long, value_parser = one_of(SPLITTINGS), default_value = "consistent")]
     splitting: Splitting,
     /// Side of a facet, whose own slopes are resolved, m
     #[arg(long, value_name = "X")]
@@ -94,8 +95,8 @@ pub struct TableSigma0Args {
     #[arg(long, value_name = "X", requires = "modulated")]
     relaxation_per_s: Option<f64>,
     /// Bragg waves in light wind
-    #[arg(long, value_enum, default_value_t = LightWind::Threshold)]
-    light_wind: LightWind,
+    #[arg(long, value_parser = one_of(LIGHT_WINDS), default_value = "threshold")]
+    light_wind: LightWinds,
     /// Give the slope density its Gram-Charlier terms
     #[arg(long)]
     gram_charlier: bool,
@@ -127,22 +128,22 @@ pub enum Angle {
 }
 
 /// How waves are shared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Splitting {
-    /// Each wave counts once
-    Consistent,
-    /// As the paper: all slopes and the whole spectrum
-    Mars2007,
-}
-
+const SPLITTINGS: [Word<Splitting>; 2] = [
+    ("consistent", "Each wave counts once", Splitting::Consistent),
+    ("mars2007", "As the paper: all slopes and the whole spectrum", Splitting::Mars2007),
+];
 /// Bragg waves in light wind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LightWind {
-    /// None below the wind that sustains them, never fewer in more wind
-    Threshold,
-    /// Those of the spectrum as published
-    Published,
-}
+const LIGHT_WINDS: [Word<LightWinds>; 2] = [
+    ("threshold", "None below the wind that sustains them, never fewer in more wind", LightWinds::Threshold),
+    ("published", "Those of the spectrum as published", LightWinds::AsPublished),
+];
+/// Names of the columns of each part, by channel.
+const PARTS: [[&str; 4]; 4] = [
+    ["sigma0_hh_db", "sigma0_hv_db", "sigma0_vh_db", "sigma0_vv_db"],
+    ["spm_hh_db", "spm_hv_db", "spm_vh_db", "spm_vv_db"],
+    ["go_hh_db", "go_hv_db", "go_vh_db", "go_vv_db"],
+    ["breaking_hh_db", "breaking_hv_db", "breaking_vh_db", "breaking_vv_db"],
+];
 
 /// The angles of a table, degrees.
 struct Angles {
@@ -154,17 +155,9 @@ struct Angles {
 }
 
 impl Angles {
-    fn of(args: &TableSigma0Args) -> Result<Self, TableError> {
+    fn of(args: &TableSigma0Args) -> Result<Self, Refused> {
         let values = |angle, key, list: &[f64], usual: Usual, single: &[f64], range| {
-            let values = if angle == args.vary {
-                args.sweep.sweep().or_list(key, list, usual)?
-            } else if list.is_empty() {
-                single.to_vec()
-            } else {
-                list.to_vec()
-            };
-            within(key, &values, range)?;
-            Ok::<_, TableError>(values)
+            varied(args.sweep.sweep(), angle == args.vary, (key, list), usual, single, range)
         };
         let (rise, turn) = (Usual::steps(0.0, 80.0, 5.0), Usual::steps(0.0, 360.0, 10.0));
         let (up, around) = ([0.0, 90.0], [-360.0, 360.0]);
@@ -175,6 +168,11 @@ impl Angles {
             azimuth: values(Angle::Azimuth, "--azimuth-deg", &args.azimuth_deg, turn, &[180.0], around)?,
             aspect: values(Angle::Aspect, "--aspect-deg", &args.aspect_deg, turn, &[180.0], around)?,
         })
+    }
+
+    /// How many values each angle of a path has.
+    fn lengths(&self) -> [usize; 3] {
+        [self.incidence.len(), self.scattering.len().max(1), self.azimuth.len()]
     }
 
     /// Incidence, scattering angle and azimuth of every path, degrees.
@@ -191,136 +189,71 @@ impl Angles {
 
 impl TableSigma0Args {
     /// Refuses numbers out of range.
-    fn check(&self) -> Result<(), CliError> {
-        if let Some(facet_m) = self.facet_m {
-            within("--facet-m", &[facet_m], FACET_RANGE_M)?;
-        }
-        if let Some(cut_rad_m) = self.cut_rad_m {
-            within("--cut-rad-m", &[cut_rad_m], WAVE_NUMBER_RANGE_RAD_M)?;
-        }
+    fn check(&self) -> Result<(), Refused> {
+        within("--facet-m", &self.facet_m, FACET_RANGE_M)?;
+        within("--cut-rad-m", &self.cut_rad_m, WAVE_NUMBER_RANGE_RAD_M)?;
         if self.modulated && self.splitting == Splitting::Mars2007 {
-            return Err(TableError::Unmodulated.into());
+            return Err(Refused::Unmodulated);
         }
-        if let Some(relaxation_per_s) = self.relaxation_per_s {
-            within("--relaxation-per-s", &[relaxation_per_s], RELAXATION_RANGE_PER_S)?;
-        }
+        within("--relaxation-per-s", &self.relaxation_per_s, RELAXATION_RANGE_PER_S)?;
         within("--slope-x", &[self.slope_x], [-STEEPEST, STEEPEST])?;
-        within("--slope-y", &[self.slope_y], [-STEEPEST, STEEPEST])?;
-        Ok(())
-    }
-
-    fn light_winds(&self) -> LightWinds {
-        match self.light_wind {
-            LightWind::Threshold => LightWinds::Threshold,
-            LightWind::Published => LightWinds::AsPublished,
-        }
-    }
-
-    fn settings(&self) -> two_scale::Settings {
-        two_scale::Settings {
-            splitting: match self.splitting {
-                Splitting::Consistent => two_scale::Splitting::Consistent,
-                Splitting::Mars2007 => two_scale::Splitting::Mars2007,
-            },
-            cut_radpm: self.cut_rad_m,
-            tilt_average: !self.untilted,
-            gram_charlier: self.gram_charlier,
-        }
-    }
-
-    /// The names of the columns.
-    fn columns(&self) -> Vec<String> {
-        let mut columns: Vec<String> = [
-            "carrier_hz",
-            "temperature_c",
-            "salinity_psu",
-            "u10_mps",
-            "aspect_deg",
-            "incidence_deg",
-            "scattering_deg",
-            "azimuth_deg",
-        ]
-        .map(str::to_owned)
-        .into();
-        for part in ["sigma0", "spm", "go"].into_iter().chain(self.breaking.then_some("breaking")) {
-            columns.extend(["hh", "hv", "vh", "vv"].map(|channel| format!("{part}_{channel}_db")));
-        }
-        columns
+        within("--slope-y", &[self.slope_y], [-STEEPEST, STEEPEST])
     }
 }
 
 /// Prints the table.
 pub(super) fn sigma0(args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), CliError> {
-    match args.surface {
-        Surface::Clean => sigma0_of(Clean, args, out),
-        Surface::Slick => sigma0_of(Slick::default(), args, out),
-    }
-}
-
-fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), CliError> {
     let angles = Angles::of(args)?;
     args.check()?;
-    let waters = args.water.waters();
-    let media = args.water.permittivities(&args.carrier_hz, &waters)?;
-    let winds = args.wind.winds(0.0)?;
-    bound_seas(&[media.len(), winds.len(), angles.aspect.len()])?;
-    let scatterings = angles.scattering.len().max(1);
-    csv::bound(&[
-        media.len(),
-        winds.len(),
-        angles.aspect.len(),
-        angles.incidence.len(),
-        scatterings,
-        angles.azimuth.len(),
-    ])?;
-    let spectra = args.spectrum.that_scatter(&winds, args.light_winds())?;
-    let settings = args.settings();
-    csv::header(out, &args.columns())?;
-    for &(carrier_hz, water, permittivity) in &media {
+    let media = args.water.media(&args.carrier_hz)?;
+    let winds = args.wind.winds()?;
+    let seas = [media.len(), winds.len(), angles.aspect.len()];
+    bound_seas(&seas)?;
+    bound(&[&seas[..], &angles.lengths()].concat())?;
+    let spectra = args.spectrum.that_scatter(&winds, args.light_wind)?;
+    let settings = two_scale::Settings {
+        splitting: args.splitting,
+        cut_radpm: args.cut_rad_m,
+        tilt_average: !args.untilted,
+        gram_charlier: args.gram_charlier,
+    };
+    let usual = args.modulated.then_some(Relaxation::Growth);
+    let relaxation = args.relaxation_per_s.map(Relaxation::Rate).or(usual);
+    let kind = args.surface.kind();
+    let mut table = Table::new(out);
+    for (carrier_hz, water, permittivity) in media {
         for (wind, spectrum) in winds.iter().zip(&spectra) {
             for &aspect_deg in &angles.aspect {
-                let (cos, sin) = cos_sin_of_degrees(aspect_deg);
-                let medium = Medium {
+                let seen = Seen {
                     carrier_hz,
                     permittivity,
-                    wind_12p5_mps: wind.u12_5_mps,
-                    downwind_rad: sin.atan2(cos),
-                    resolved_radpm: args.facet_m.map_or(0.0, |facet_m| PI / facet_m),
-                    // The direction of incidence.
-                    axis: DVec3::X,
+                    wind,
+                    spectrum: spectrum.as_ref(),
+                    kind: kind.as_ref(),
+                    aspect_deg,
+                    facet_m: args.facet_m,
+                    relaxation,
+                    breaking: args.breaking,
+                    settings,
                 };
-                // The spectrum's own axis is downwind.
-                let turned = |kx: f64, ky: f64| WaveVector::new(cos * kx + sin * ky, cos * ky - sin * kx);
-                let psi = |kx: f64, ky: f64| spectrum.symmetric_m4(turned(kx, ky));
-                let mut sea = TwoScale::new(settings, medium, kind, psi);
-                if args.modulated {
-                    let usual = of_bragg_waves_per_s(medium.wavenumber_radpm(), wind.ustar_wu_mps);
-                    let rate_per_s = args.relaxation_per_s.unwrap_or(usual);
-                    let wave_psi = |kx: f64, ky: f64| spectrum.wave_m4(turned(kx, ky));
-                    sea = sea.modulated(wave_psi, Dispersion::default(), rate_per_s);
-                }
-                let parameters =
-                    [carrier_hz, water.temperature_c, water.salinity_gpkg, wind.u10_mps, aspect_deg];
-                for of_path in angles.paths() {
-                    let path = path(of_path);
-                    // Under a film the whole facet is.
-                    let response = sea.response(&path, (args.slope_x, args.slope_y), 1.0);
-                    let breaking = args
-                        .breaking
-                        .then(|| breaking::sigma0(permittivity, &path, medium.downwind_rad, wind.u10_mps));
-                    let mut all = response.sigma0();
-                    for (all, breaking) in
-                        all.as_flattened_mut().iter_mut().zip(breaking.iter().flatten().flatten())
-                    {
-                        *all += breaking;
+                let sigma0 = seen.sigma0();
+                for of_path @ [incidence_deg, scattering_deg, azimuth_deg] in angles.paths() {
+                    let found = sigma0(&path(of_path), [args.slope_x, args.slope_y]);
+                    let mut cells = vec![
+                        ("carrier_hz", Cell::Given(carrier_hz)),
+                        ("temperature_c", Cell::Given(water.temperature_c)),
+                        ("salinity_psu", Cell::Given(water.salinity_gpkg)),
+                        ("u10_mps", Cell::Given(wind.u10_mps)),
+                        ("aspect_deg", Cell::Given(aspect_deg)),
+                        ("incidence_deg", Cell::Given(incidence_deg)),
+                        ("scattering_deg", Cell::Given(scattering_deg)),
+                        ("azimuth_deg", Cell::Given(azimuth_deg)),
+                    ];
+                    let parts = [found.sum, found.bragg, found.specular].into_iter().chain(found.breaking);
+                    for (names, [[vv, vh], [hv, hh]]) in PARTS.iter().zip(parts) {
+                        cells.extend(names.iter().copied().zip([hh, hv, vh, vv].map(Cell::Decibels)));
                     }
-                    let mut cells: Vec<Cell> = parameters.map(Cell::Given).into();
-                    cells.extend(of_path.map(Cell::Given));
-                    let parts = [all, response.bragg_sigma0(), response.specular_sigma0()];
-                    for [[vv, vh], [hv, hh]] in parts.into_iter().chain(breaking) {
-                        cells.extend([hh, hv, vh, vv].map(Cell::Decibels));
-                    }
-                    csv::row(out, &cells)?;
+                    table.row(&cells)?;
                 }
             }
         }
@@ -328,12 +261,23 @@ fn sigma0_of<K: Kind + Copy>(kind: K, args: &TableSigma0Args, out: &mut dyn Writ
     Ok(())
 }
 
-/// The path whose direction of incidence is that of +x.
-fn path([incidence_deg, scattering_deg, azimuth_deg]: [f64; 3]) -> Path {
-    let (cos_i, sin_i) = cos_sin_of_degrees(incidence_deg);
-    let (cos_s, sin_s) = cos_sin_of_degrees(scattering_deg);
-    let (cos_d, sin_d) = cos_sin_of_degrees(azimuth_deg);
-    Path::new(DVec3::new(sin_i, 0.0, -cos_i), DVec3::new(sin_s * cos_d, sin_s * sin_d, cos_s))
+/// Values of a key: of the one that is varied those of its list or of the sweep, of others those of the list
+/// or a single one.
+fn varied(
+    sweep: Sweep,
+    is_varied: bool,
+    (key, list): (&'static str, &[f64]),
+    usual: Usual,
+    single: &[f64],
+    range: [f64; 2],
+) -> Result<Vec<f64>, Refused> {
+    let values = match list {
+        _ if is_varied => sweep.or_list(key, list, usual)?,
+        [] => single.to_vec(),
+        list => list.to_vec(),
+    };
+    within(key, &values, range)?;
+    Ok(values)
 }
 
 /// `nereus table slope-pdf`
@@ -373,38 +317,27 @@ pub enum Direction {
 /// Prints the table.
 pub(super) fn slope_pdf(args: &TableSlopePdfArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let slopes = |direction, key, list: &[f64]| {
-        let values = if direction == args.vary {
-            args.sweep.sweep().or_list(key, list, Usual::steps(-0.5, 0.5, 0.02))?
-        } else if list.is_empty() {
-            vec![0.0]
-        } else {
-            list.to_vec()
-        };
-        within(key, &values, [-STEEPEST, STEEPEST])?;
-        Ok::<_, TableError>(values)
+        let (swept, usual) = (direction == args.vary, Usual::steps(-0.5, 0.5, 0.02));
+        varied(args.sweep.sweep(), swept, (key, list), usual, &[0.0], [-STEEPEST, STEEPEST])
     };
     let downwind = slopes(Direction::Downwind, "--downwind-slope", &args.downwind_slope)?;
     let crosswind = slopes(Direction::Crosswind, "--crosswind-slope", &args.crosswind_slope)?;
-    let winds = args.wind.winds(0.0)?;
-    csv::bound(&[winds.len(), downwind.len(), crosswind.len()])?;
-    let mut table = csv::Table::new(out);
+    let winds = args.wind.winds()?;
+    bound(&[winds.len(), downwind.len(), crosswind.len()])?;
+    let kind = args.surface.kind();
+    let mut table = Table::new(out);
     for wind in &winds {
         let u = wind.u12_5_mps;
-        let (variances, series) = match args.surface {
-            Surface::Clean => (Clean.slopes(u), Clean.gram_charlier(u)),
-            Surface::Slick => (Slick::default().slopes(u), Slick::default().gram_charlier(u)),
-        };
-        let pdf = SlopePdf::new(variances, args.gram_charlier.then_some(series), 0.0);
+        let series = args.gram_charlier.then(|| kind.gram_charlier(u));
+        let pdf = SlopePdf::new(kind.slopes(u), series, 0.0);
         for &down in &downwind {
             for &cross in &crosswind {
-                let density = pdf.density(down, cross);
-                let cells = [
+                table.row(&[
                     ("u12p5_mps", Cell::Given(u)),
                     ("downwind_slope", Cell::Given(down)),
                     ("crosswind_slope", Cell::Given(cross)),
-                    ("density", Cell::Value(density)),
-                ];
-                table.row(&cells)?;
+                    ("density", Cell::Value(pdf.density(down, cross))),
+                ])?;
             }
         }
     }

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use num_complex::Complex64;
-use thiserror::Error;
 
 use super::csv::combinations;
-use super::error::TableError;
 use super::sweep::{Sweep, Usual};
+use crate::cli::error::{CliError, Refused};
+use crate::cli::values::{Allowed, Word, allowed, one_of, word_of};
 use crate::scattering::permittivity::{Model, SeaWater};
 use crate::scene::sea::LightWinds;
 use crate::scene::water::{Development, SpectrumKind, Spreading, WindProfile};
@@ -26,12 +26,37 @@ const HEIGHT_M: f64 = 10.0;
 /// Fetch of a JONSWAP sea unless another is given, m.
 const FETCH_M: f64 = 100e3;
 
+/// Models of the permittivity of sea water.
+const MODELS: [Word<Model>; 2] = [
+    ("mw12", "Meissner and Wentz 2012: 1 to 90 GHz", Model::MeissnerWentz2012),
+    ("ks77", "Klein and Swift 1977: 1 to 10 GHz", Model::KleinSwift1977),
+];
+/// Wind profiles.
+const PROFILES: [Word<WindProfile>; 2] = [
+    ("cardone", "Cardone 1969", WindProfile::Cardone),
+    ("wu", "Logarithmic, with the drag of Wu 1982", WindProfile::Wu),
+];
+
+/// Kinds of spectra, as they are without further keys.
+fn kinds() -> [Word<SpectrumKind>; 6] {
+    let (development, spreading) = (Development::default(), Spreading::default());
+    let efl = "The paper's: Elfouhaily's with the directional function of Fung and Lee";
+    [
+        ("elfouhaily", "Elfouhaily et al. 1997", SpectrumKind::Elfouhaily { development }),
+        ("fung-lee", "Fung and Lee 1982", SpectrumKind::FungLee),
+        ("elfouhaily-fung-lee", efl, SpectrumKind::ElfouhailyFungLee { development }),
+        ("pierson-moskowitz", "Pierson and Moskowitz 1964", SpectrumKind::PiersonMoskowitz { spreading }),
+        ("jonswap", "JONSWAP", SpectrumKind::Jonswap { fetch_m: FETCH_M, spreading }),
+        ("measured", "From a file", SpectrumKind::Measured { path: PathBuf::new(), tail: false }),
+    ]
+}
+
 /// The water.
 #[derive(Clone, Debug, Args)]
 pub struct WaterKeys {
     /// Model of the permittivity
-    #[arg(long, value_enum, default_value_t = PermittivityModel::Mw12)]
-    model: PermittivityModel,
+    #[arg(long, value_parser = one_of(MODELS), default_value = "mw12")]
+    pub(super) model: Model,
     /// Temperatures of the water, degrees Celsius
     #[arg(
         long,
@@ -46,41 +71,22 @@ pub struct WaterKeys {
     salinity_psu: Vec<f64>,
 }
 
-/// Model of the permittivity of sea water.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum PermittivityModel {
-    /// Meissner and Wentz 2012: 1 to 90 GHz
-    Mw12,
-    /// Klein and Swift 1977: 1 to 10 GHz
-    Ks77,
-}
-
 impl WaterKeys {
-    pub(super) fn model(&self) -> Model {
-        match self.model {
-            PermittivityModel::Mw12 => Model::MeissnerWentz2012,
-            PermittivityModel::Ks77 => Model::KleinSwift1977,
-        }
+    /// How many waters there are: pairs of temperature and salinity.
+    pub(super) fn count(&self) -> usize {
+        combinations(&[self.temperature_c.len(), self.salinity_psu.len()])
     }
 
-    /// Every pair of temperature and salinity.
-    pub(super) fn waters(&self) -> Vec<SeaWater> {
-        let salinities = |temperature_c| {
-            self.salinity_psu.iter().map(move |&salinity_gpkg| SeaWater { temperature_c, salinity_gpkg })
-        };
-        self.temperature_c.iter().flat_map(|&t| salinities(t)).collect()
-    }
-
-    /// Permittivities by carrier, of every water; nothing is printed before all are known to be in range.
-    pub(super) fn permittivities(
-        &self,
-        carriers_hz: &[f64],
-        waters: &[SeaWater],
-    ) -> Result<Vec<(f64, SeaWater, Complex64)>, TableError> {
-        let mut found = Vec::with_capacity(carriers_hz.len() * waters.len());
-        for &water in waters {
-            for &carrier_hz in carriers_hz {
-                found.push((carrier_hz, water, self.model().permittivity(carrier_hz, water)?));
+    /// Every combination of a carrier and a water with its permittivity; nothing is printed before all are
+    /// known to be in range.
+    pub(super) fn media(&self, carriers_hz: &[f64]) -> Result<Vec<(f64, SeaWater, Complex64)>, CliError> {
+        let mut found = Vec::with_capacity(combinations(&[carriers_hz.len(), self.count()]));
+        for &temperature_c in &self.temperature_c {
+            for &salinity_gpkg in &self.salinity_psu {
+                for &carrier_hz in carriers_hz {
+                    let water = SeaWater { temperature_c, salinity_gpkg };
+                    found.push((carrier_hz, water, self.model.permittivity(carrier_hz, water)?));
+                }
             }
         }
         Ok(found)
@@ -100,68 +106,51 @@ pub struct WindKeys {
     #[arg(long, value_name = "Z")]
     wind_height_m: Option<f64>,
     /// Profile that carries the wind to other heights
-    #[arg(long, value_enum, default_value_t = Profile::Cardone)]
-    profile: Profile,
-}
-
-/// Wind profile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Profile {
-    /// Cardone 1969
-    Cardone,
-    /// Logarithmic, with the drag of Wu 1982
-    Wu,
+    #[arg(long, value_parser = one_of(PROFILES), default_value = "cardone")]
+    profile: WindProfile,
 }
 
 impl WindKeys {
-    /// The winds that were listed, each blowing towards the given direction.
-    pub(super) fn winds(&self, downwind_rad: f64) -> Result<Vec<Wind>, TableError> {
-        let profile = self.profile();
+    /// The winds that were listed, blowing towards +x.
+    pub(super) fn winds(&self) -> Result<Vec<Wind>, CliError> {
         if !self.wind_mps.is_empty() {
-            return self.at_speeds(&self.wind_mps, downwind_rad);
+            return self.at_speeds(&self.wind_mps);
         }
         if self.wind_height_m.is_some() {
-            return Err(TableError::HeightAlone);
+            return Err(Refused::HeightAlone.into());
         }
         let listed = if self.ustar_mps.is_empty() { &[USTAR_MPS][..] } else { &self.ustar_mps };
-        let wind = |&ustar_mps| Wind::from_friction_velocity(ustar_mps, profile, downwind_rad);
+        let wind = |&ustar_mps| Wind::from_friction_velocity(ustar_mps, self.profile, 0.0);
         Ok(listed.iter().map(wind).collect::<Result<_, _>>()?)
     }
 
-    /// The winds that were listed, or those of a sweep of the speed; blowing towards +x.
-    pub(super) fn listed_or_swept(&self, sweep: Sweep) -> Result<Vec<Wind>, TableError> {
-        let Some(sweep_key) = sweep.given() else { return self.winds(0.0) };
+    /// The winds that were listed, or those of a sweep of the speed.
+    pub(super) fn listed_or_swept(&self, sweep: Sweep) -> Result<Vec<Wind>, CliError> {
+        let Some(sweep_key) = sweep.given() else { return self.winds() };
         if !self.ustar_mps.is_empty() {
-            return Err(TableError::Both { key: "--ustar-mps", sweep_key });
+            return Err(Refused::Both { key: "--ustar-mps", sweep_key }.into());
         }
         let usual = Usual::steps(1.0, 25.0, 1.0);
-        self.at_speeds(&sweep.or_list("--wind-mps", &self.wind_mps, usual)?, 0.0)
+        self.at_speeds(&sweep.or_list("--wind-mps", &self.wind_mps, usual)?)
     }
 
-    fn at_speeds(&self, speeds_mps: &[f64], downwind_rad: f64) -> Result<Vec<Wind>, TableError> {
+    fn at_speeds(&self, speeds_mps: &[f64]) -> Result<Vec<Wind>, CliError> {
         let height_m = self.wind_height_m.unwrap_or(HEIGHT_M);
-        let wind = |&speed_mps| Wind::from_speed(speed_mps, height_m, self.profile(), downwind_rad);
+        let wind = |&speed_mps| Wind::from_speed(speed_mps, height_m, self.profile, 0.0);
         Ok(speeds_mps.iter().map(wind).collect::<Result<_, _>>()?)
-    }
-
-    fn profile(&self) -> WindProfile {
-        match self.profile {
-            Profile::Cardone => WindProfile::Cardone,
-            Profile::Wu => WindProfile::Wu,
-        }
     }
 }
 
 /// Refuses more seas than can be prepared in minutes, given how many values each of their keys has.
-pub(super) fn bound_seas(values: &[usize]) -> Result<(), TableError> {
+pub(super) fn bound_seas(values: &[usize]) -> Result<(), Refused> {
     let seas = combinations(values);
-    if seas <= MOST_SEAS { Ok(()) } else { Err(TableError::Seas { seas, most: MOST_SEAS }) }
+    if seas <= MOST_SEAS { Ok(()) } else { Err(Refused::Seas { seas, most: MOST_SEAS }) }
 }
 
 /// Refuses winds that raise no waves, for laws that need some.
-pub(super) fn refuse_calm(winds: &[Wind]) -> Result<(), TableError> {
+pub(super) fn refuse_calm(winds: &[Wind]) -> Result<(), Refused> {
     match winds.iter().find(|wind| wind.is_calm()) {
-        Some(wind) => Err(TableError::Calm { u10_mps: wind.u10_mps, least_mps: CALM_BELOW_MPS }),
+        Some(wind) => Err(Refused::Calm { u10_mps: wind.u10_mps, least_mps: CALM_BELOW_MPS }),
         None => Ok(()),
     }
 }
@@ -170,8 +159,8 @@ pub(super) fn refuse_calm(winds: &[Wind]) -> Result<(), TableError> {
 #[derive(Clone, Debug, Args)]
 pub struct SpectrumKeys {
     /// Spectrum
-    #[arg(long, value_enum, default_value_t = Kind::ElfouhailyFungLee)]
-    kind: Kind,
+    #[arg(long, value_parser = one_of(kinds()), default_value = "elfouhaily-fung-lee")]
+    kind: SpectrumKind,
     /// Inverse wave age of an Elfouhaily sea, 0.84 (fully developed, the default) to 5
     #[arg(long, value_name = "X", conflicts_with = "fetch_m")]
     inverse_wave_age: Option<f64>,
@@ -187,54 +176,24 @@ pub struct SpectrumKeys {
     spectrum_path: Option<PathBuf>,
 }
 
-/// Kind of spectrum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Kind {
-    /// Elfouhaily et al. 1997
-    Elfouhaily,
-    /// Fung and Lee 1982
-    FungLee,
-    /// The paper's: Elfouhaily's with the directional function of Fung and Lee
-    ElfouhailyFungLee,
-    /// Pierson and Moskowitz 1964
-    PiersonMoskowitz,
-    /// JONSWAP
-    Jonswap,
-    /// From a file
-    Measured,
-}
-
-impl Kind {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Elfouhaily => "elfouhaily",
-            Self::FungLee => "fung-lee",
-            Self::ElfouhailyFungLee => "elfouhaily-fung-lee",
-            Self::PiersonMoskowitz => "pierson-moskowitz",
-            Self::Jonswap => "jonswap",
-            Self::Measured => "measured",
-        }
-    }
-}
+/// A wind, and the spectrum of the sea that it raises.
+type RisenSea<'a> = (&'a Wind, Rc<dyn Spectrum>);
 
 /// `--spreading`: a law, or an exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpreadingKey(Spreading);
 
-/// Not a spreading.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("allowed: mitsuyasu, elfouhaily, or the exponent s of cos^2s(phi/2) such as 10")]
-pub struct NotASpreading;
-
 impl FromStr for SpreadingKey {
-    type Err = NotASpreading;
+    type Err = Allowed;
 
-    fn from_str(text: &str) -> Result<Self, NotASpreading> {
-        Ok(Self(match text {
-            "mitsuyasu" => Spreading::Mitsuyasu,
-            "elfouhaily" => Spreading::LikeElfouhaily,
-            number => Spreading::Constant(number.parse().map_err(|_| NotASpreading)?),
-        }))
+    fn from_str(text: &str) -> Result<Self, Allowed> {
+        let law = match text {
+            "mitsuyasu" => Some(Spreading::Mitsuyasu),
+            "elfouhaily" => Some(Spreading::LikeElfouhaily),
+            number => number.parse().ok().map(Spreading::Constant),
+        };
+        let what = "mitsuyasu, elfouhaily, or the exponent s of cos^2s(phi/2) such as 10";
+        allowed(law.map(Self), what)
     }
 }
 
@@ -245,13 +204,13 @@ impl SpectrumKeys {
         &self,
         winds: &[Wind],
         light_wind: LightWinds,
-    ) -> Result<Vec<Rc<dyn Spectrum>>, TableError> {
+    ) -> Result<Vec<Rc<dyn Spectrum>>, CliError> {
         bound_seas(&[winds.len()])?;
         let kind = match self.described()? {
             SpectrumKind::Measured { path, .. } => SpectrumKind::Measured { path, tail: true },
             kind => kind,
         };
-        let of_wind = |wind: &Wind| -> Result<Rc<dyn Spectrum>, TableError> {
+        let of_wind = |wind: &Wind| -> Result<Rc<dyn Spectrum>, CliError> {
             Ok(match (&kind, light_wind) {
                 (SpectrumKind::Measured { .. }, _) | (_, LightWinds::AsPublished) => {
                     of_kind(&kind, wind)?.into()
@@ -262,63 +221,64 @@ impl SpectrumKeys {
         winds.iter().map(of_wind).collect()
     }
 
-    /// The spectrum of each wind (a measured one is read once).
-    pub(super) fn spectra(&self, winds: &[Wind]) -> Result<Vec<Rc<dyn Spectrum>>, TableError> {
+    /// The spectrum of each wind (a measured one is read once), for a table of so many values of its other
+    /// keys.
+    pub(super) fn spectra<'a>(
+        &self,
+        winds: &'a [Wind],
+        others: &[usize],
+    ) -> Result<Vec<RisenSea<'a>>, CliError> {
+        super::csv::bound(&[&[winds.len()], others].concat())?;
         bound_seas(&[winds.len()])?;
         let kind = self.described()?;
-        let mut spectra: Vec<Rc<dyn Spectrum>> = Vec::with_capacity(winds.len());
+        let mut spectra: Vec<RisenSea> = Vec::with_capacity(winds.len());
         for wind in winds {
             let spectrum = match spectra.last() {
-                Some(read) if self.kind == Kind::Measured => Rc::clone(read),
+                Some((_, read)) if matches!(kind, SpectrumKind::Measured { .. }) => Rc::clone(read),
                 _ => of_kind(&kind, wind)?.into(),
             };
-            spectra.push(spectrum);
+            spectra.push((wind, spectrum));
         }
         Ok(spectra)
     }
 
     /// The spectrum described, every key that was given having a meaning.
-    fn described(&self) -> Result<SpectrumKind, TableError> {
-        let kind = self.kind;
-        let elfouhaily = matches!(kind, Kind::Elfouhaily | Kind::ElfouhailyFungLee);
-        let jonswap = kind == Kind::Jonswap;
-        let cosine_power = matches!(kind, Kind::PiersonMoskowitz | Kind::Jonswap);
+    fn described(&self) -> Result<SpectrumKind, Refused> {
+        let mut kind = self.kind.clone();
+        let (mut age, mut fetch, mut spread, mut file) = (false, false, false, false);
+        match &mut kind {
+            SpectrumKind::Elfouhaily { development } | SpectrumKind::ElfouhailyFungLee { development } => {
+                (age, fetch) = (true, true);
+                let of_age = self.inverse_wave_age.map(Development::InverseWaveAge);
+                *development = of_age.or(self.fetch_m.map(Development::Fetch)).unwrap_or(*development);
+            }
+            SpectrumKind::PiersonMoskowitz { spreading } => {
+                spread = true;
+                *spreading = self.spreading.map_or(*spreading, |SpreadingKey(given)| given);
+            }
+            SpectrumKind::Jonswap { fetch_m, spreading } => {
+                (fetch, spread) = (true, true);
+                *fetch_m = self.fetch_m.unwrap_or(*fetch_m);
+                *spreading = self.spreading.map_or(*spreading, |SpreadingKey(given)| given);
+            }
+            SpectrumKind::Measured { path, .. } => {
+                file = true;
+                *path = self.spectrum_path.clone().unwrap_or_default();
+            }
+            SpectrumKind::FungLee => {}
+        }
+        let (elfouhaily, jonswap) =
+            ("elfouhaily, elfouhaily-fung-lee", "elfouhaily, elfouhaily-fung-lee, jonswap");
         for (key, given, means, allowed) in [
-            (
-                "--inverse-wave-age",
-                self.inverse_wave_age.is_some(),
-                elfouhaily,
-                "elfouhaily, elfouhaily-fung-lee",
-            ),
-            (
-                "--fetch-m",
-                self.fetch_m.is_some(),
-                elfouhaily || jonswap,
-                "elfouhaily, elfouhaily-fung-lee, jonswap",
-            ),
-            ("--spreading", self.spreading.is_some(), cosine_power, "pierson-moskowitz, jonswap"),
-            ("--spectrum-path", self.spectrum_path.is_some(), kind == Kind::Measured, "measured"),
+            ("--inverse-wave-age", self.inverse_wave_age.is_some(), age, elfouhaily),
+            ("--fetch-m", self.fetch_m.is_some(), fetch, jonswap),
+            ("--spreading", self.spreading.is_some(), spread, "pierson-moskowitz, jonswap"),
+            ("--spectrum-path", self.spectrum_path.is_some(), file, "measured"),
         ] {
             if given && !means {
-                return Err(TableError::Foreign { key, kind: kind.name(), allowed });
+                return Err(Refused::Foreign { key, kind: word_of(&kinds(), &self.kind), allowed });
             }
         }
-        let development = match (self.inverse_wave_age, self.fetch_m) {
-            (Some(age), _) => Development::InverseWaveAge(age),
-            (None, Some(fetch_m)) => Development::Fetch(fetch_m),
-            (None, None) => Development::default(),
-        };
-        let spreading = self.spreading.map_or(Spreading::default(), |SpreadingKey(spreading)| spreading);
-        Ok(match kind {
-            Kind::Elfouhaily => SpectrumKind::Elfouhaily { development },
-            Kind::FungLee => SpectrumKind::FungLee,
-            Kind::ElfouhailyFungLee => SpectrumKind::ElfouhailyFungLee { development },
-            Kind::PiersonMoskowitz => SpectrumKind::PiersonMoskowitz { spreading },
-            Kind::Jonswap => SpectrumKind::Jonswap { fetch_m: self.fetch_m.unwrap_or(FETCH_M), spreading },
-            Kind::Measured => {
-                let path = self.spectrum_path.clone().ok_or(TableError::NoFile)?;
-                SpectrumKind::Measured { path, tail: false }
-            }
-        })
+        if file && self.spectrum_path.is_none() { Err(Refused::NoFile) } else { Ok(kind) }
     }
 }

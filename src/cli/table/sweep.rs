@@ -4,19 +4,16 @@
 //! `to`); `--points N` instead of a step gives N values from `from` to `to`, both included, in linear or log
 //! spacing. What is not given is the table's own.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::MOST_ROWS;
-use super::error::TableError;
+use crate::cli::error::Refused;
+use crate::cli::values::{Word, one_of};
+use crate::plot::chart::Spacing;
 
 /// How points of a sweep are spaced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Spacing {
-    /// Equal differences
-    Linear,
-    /// Equal ratios
-    Log,
-}
+const SPACINGS: [Word<Spacing>; 2] =
+    [("linear", "Equal differences", Spacing::Linear), ("log", "Equal ratios", Spacing::Logarithmic)];
 
 /// What lies between the ends of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,21 +59,16 @@ impl Sweep {
     }
 
     /// The values of a key: those of its list, or else those of the sweep.
-    pub(super) fn or_list(
-        &self,
-        key: &'static str,
-        list: &[f64],
-        usual: Usual,
-    ) -> Result<Vec<f64>, TableError> {
+    pub(super) fn or_list(&self, key: &'static str, list: &[f64], usual: Usual) -> Result<Vec<f64>, Refused> {
         match self.given() {
             _ if list.is_empty() => self.values(usual),
-            Some(sweep_key) => Err(TableError::Both { key, sweep_key }),
+            Some(sweep_key) => Err(Refused::Both { key, sweep_key }),
             None => Ok(list.to_vec()),
         }
     }
 
     /// The values of the sweep.
-    pub(super) fn values(&self, usual: Usual) -> Result<Vec<f64>, TableError> {
+    pub(super) fn values(&self, usual: Usual) -> Result<Vec<f64>, Refused> {
         let (from, to) = (self.from.unwrap_or(usual.from), self.to.unwrap_or(usual.to));
         let [from_key, to_key, step_key] = self.keys;
         let every = match (self.step, self.points) {
@@ -91,15 +83,24 @@ impl Sweep {
                 // Half a thousandth of a step, so that the last value is not lost to rounding.
                 let steps = ((to - from) / step + 5e-4).floor();
                 if !(ordered && step.is_finite() && step > 0.0 && steps < MOST_ROWS as f64) {
-                    let most = MOST_ROWS;
-                    return Err(TableError::Step { from_key, from, to_key, to, step_key, step, most });
+                    return Err(Refused::Value {
+                        asked: format!("{from_key} {from} {to_key} {to} {step_key} {step}"),
+                        allowed: format!(
+                            "finite numbers, from no greater than to, a step above 0 that gives at most {MOST_ROWS} rows"
+                        ),
+                    });
                 }
                 Ok((0..=steps as usize).map(|i| (from + i as f64 * step).min(to)).collect())
             }
             Every::Points(points, spacing) => {
-                let log = spacing == Spacing::Log;
+                let log = spacing == Spacing::Logarithmic;
                 if !(ordered && (1..=MOST_ROWS).contains(&points) && (!log || from > 0.0)) {
-                    return Err(TableError::Points { from_key, from, to_key, to, points, most: MOST_ROWS });
+                    return Err(Refused::Value {
+                        asked: format!("{from_key} {from} {to_key} {to} --points {points}"),
+                        allowed: format!(
+                            "finite numbers, from no greater than to (and above 0 in log spacing), 1 to {MOST_ROWS} points"
+                        ),
+                    });
                 }
                 let last = points - 1;
                 Ok((0..points)
@@ -123,7 +124,7 @@ impl Usual {
 
     /// So many values in equal ratios.
     pub(super) fn log(from: f64, to: f64, points: usize) -> Self {
-        Self { from, to, every: Every::Points(points, Spacing::Log) }
+        Self { from, to, every: Every::Points(points, Spacing::Logarithmic) }
     }
 
     fn spacing(&self) -> Spacing {
@@ -150,7 +151,7 @@ macro_rules! sweep_keys {
             #[arg(long, value_name = "N", conflicts_with = "step", help_heading = "Sweep")]
             points: Option<usize>,
             /// Spacing of the points
-            #[arg(long, value_enum, requires = "points", help_heading = "Sweep")]
+            #[arg(long, value_parser = one_of(SPACINGS), requires = "points", help_heading = "Sweep")]
             spacing: Option<Spacing>,
         }
 
@@ -230,7 +231,7 @@ mod tests {
             Sweep { from: Some(-1e308), to: Some(1e308), step: Some(1e308), ..NONE },
             Sweep { points: Some(0), ..NONE },
             Sweep { points: Some(MOST_ROWS + 1), ..NONE },
-            Sweep { points: Some(3), spacing: Some(Spacing::Log), ..NONE },
+            Sweep { points: Some(3), spacing: Some(Spacing::Logarithmic), ..NONE },
         ];
         for sweep in refused {
             let error = sweep.values(usual).unwrap_err().to_string();

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use clap::Args;
 
-use super::csv::{self, Cell};
+use super::csv::{Cell, Table, bound};
 use super::sea_keys::WaterKeys;
 use super::sweep::{AngleSweep, FrequencySweep, Usual};
 use crate::cli::error::CliError;
@@ -26,14 +26,13 @@ pub struct TablePermittivityArgs {
 
 /// Prints the table.
 pub(super) fn permittivity(args: &TablePermittivityArgs, out: &mut dyn Write) -> Result<(), CliError> {
-    let (from_hz, to_hz) = args.water.model().range().frequency_hz;
+    let (from_hz, to_hz) = args.water.model.range().frequency_hz;
     let usual = Usual::log(from_hz, to_hz, 40);
     let carriers_hz = args.sweep.sweep().or_list("--carrier-hz", &args.carrier_hz, usual)?;
-    let waters = args.water.waters();
-    csv::bound(&[carriers_hz.len(), waters.len()])?;
-    let found = args.water.permittivities(&carriers_hz, &waters)?;
-    let mut table = csv::Table::new(out);
-    for (carrier_hz, water, permittivity) in found {
+    bound(&[carriers_hz.len(), args.water.count()])?;
+    let media = args.water.media(&carriers_hz)?;
+    let mut table = Table::new(out);
+    for (carrier_hz, water, permittivity) in media {
         table.row(&[
             ("carrier_hz", Cell::Given(carrier_hz)),
             ("temperature_c", Cell::Given(water.temperature_c)),
@@ -66,10 +65,9 @@ pub(super) fn fresnel(args: &TableFresnelArgs, out: &mut dyn Write) -> Result<()
     let usual = Usual::steps(0.0, 90.0, 5.0);
     let angles_deg = args.sweep.sweep().or_list("--incidence-deg", &args.incidence_deg, usual)?;
     within("--incidence-deg", &angles_deg, [0.0, 90.0])?;
-    let waters = args.water.waters();
-    csv::bound(&[angles_deg.len(), args.carrier_hz.len(), waters.len()])?;
-    let media = args.water.permittivities(&args.carrier_hz, &waters)?;
-    let mut table = csv::Table::new(out);
+    bound(&[angles_deg.len(), args.carrier_hz.len(), args.water.count()])?;
+    let media = args.water.media(&args.carrier_hz)?;
+    let mut table = Table::new(out);
     for (carrier_hz, water, permittivity) in media {
         for &angle_deg in &angles_deg {
             let found = reflection(permittivity, cos_sin_of_degrees(angle_deg).0);

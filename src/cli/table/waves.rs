@@ -5,7 +5,7 @@ use std::io::Write;
 
 use clap::Args;
 
-use super::csv::{self, Cell};
+use super::csv::{Cell, Table};
 use super::sea_keys::{SpectrumKeys, WindKeys};
 use super::sweep::{AngleSweep, SpeedSweep, Usual, WaveNumberSweep};
 use crate::cli::error::CliError;
@@ -38,11 +38,9 @@ pub(super) fn spectrum(args: &TableSpectrumArgs, out: &mut dyn Write) -> Result<
     let usual = Usual::log(1e-3, 1e4, 141);
     let wave_numbers = args.sweep.sweep().or_list("--k-rad-m", &args.k_rad_m, usual)?;
     within("--k-rad-m", &wave_numbers, WAVE_NUMBER_RANGE_RAD_M)?;
-    let winds = args.wind.winds(0.0)?;
-    csv::bound(&[wave_numbers.len(), winds.len()])?;
-    let seas = args.spectrum.spectra(&winds)?;
-    let mut table = csv::Table::new(out);
-    for (wind, sea) in winds.iter().zip(&seas) {
+    let winds = args.wind.winds()?;
+    let mut table = Table::new(out);
+    for (wind, sea) in args.spectrum.spectra(&winds, &[wave_numbers.len()])? {
         for &k in &wave_numbers {
             let [down, up, cross] =
                 [WaveVector::new(k, 0.0), WaveVector::new(-k, 0.0), WaveVector::new(0.0, k)];
@@ -87,11 +85,9 @@ pub(super) fn spreading(args: &TableSpreadingArgs, out: &mut dyn Write) -> Resul
     let azimuths_deg = args.sweep.sweep().or_list("--azimuth-deg", &args.azimuth_deg, usual)?;
     within("--azimuth-deg", &azimuths_deg, [-360.0, 360.0])?;
     within("--k-rad-m", &args.k_rad_m, WAVE_NUMBER_RANGE_RAD_M)?;
-    let winds = args.wind.winds(0.0)?;
-    csv::bound(&[azimuths_deg.len(), args.k_rad_m.len(), winds.len()])?;
-    let seas = args.spectrum.spectra(&winds)?;
-    let mut table = csv::Table::new(out);
-    for (wind, sea) in winds.iter().zip(&seas) {
+    let winds = args.wind.winds()?;
+    let mut table = Table::new(out);
+    for (wind, sea) in args.spectrum.spectra(&winds, &[azimuths_deg.len(), args.k_rad_m.len()])? {
         for &k in &args.k_rad_m {
             for &azimuth_deg in &azimuths_deg {
                 let (cos, sin) = cos_sin_of_degrees(azimuth_deg);
@@ -133,10 +129,8 @@ pub(super) fn moments(args: &TableMomentsArgs, out: &mut dyn Write) -> Result<()
     within("--low-rad-m", &[args.low_rad_m], [least, most])?;
     within("--high-rad-m", &[args.high_rad_m], [args.low_rad_m, most])?;
     let winds = args.wind.listed_or_swept(args.sweep.sweep())?;
-    csv::bound(&[winds.len()])?;
-    let seas = args.spectrum.spectra(&winds)?;
-    let mut table = csv::Table::new(out);
-    for (wind, sea) in winds.iter().zip(&seas) {
+    let mut table = Table::new(out);
+    for (wind, sea) in args.spectrum.spectra(&winds, &[])? {
         let found = Moments::of(sea.as_ref(), [args.low_rad_m, args.high_rad_m]);
         let measured = MeanSquareSlope::cox_munk_clean(wind.u12_5_mps);
         table.row(&[

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use clap::Args;
 
-use super::csv::{self, Cell};
+use super::csv::{Cell, Table, bound};
 use super::sea_keys::WindKeys;
 use super::sweep::SpeedSweep;
 use crate::cli::error::CliError;
@@ -23,8 +23,8 @@ pub struct TableWindArgs {
 /// Prints the table.
 pub(super) fn wind(args: &TableWindArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let winds = args.wind.listed_or_swept(args.sweep.sweep())?;
-    csv::bound(&[winds.len()])?;
-    let mut table = csv::Table::new(out);
+    bound(&[winds.len()])?;
+    let mut table = Table::new(out);
     for wind in &winds {
         table.row(&[
             ("ustar_cardone_mps", Cell::Value(wind.ustar_cardone_mps)),

@@ -48,6 +48,8 @@ pub mod csv;
 mod nmea;
 mod novatel;
 
+use std::path::Path;
+
 use thiserror::Error;
 
 use super::solution::Solution;
@@ -118,6 +120,65 @@ pub enum EncodeError {
         "the state cannot be written; allowed: 1980 to 2136, heights and speeds of what moves on or about Earth"
     )]
     Range,
+}
+
+/// A state of a recording that cannot be written.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("fix {number} at {time}: {source}")]
+pub struct Unwritable {
+    /// Which one, from 1.
+    pub number: usize,
+    /// When.
+    pub time: String,
+    /// Why.
+    pub source: EncodeError,
+}
+
+impl Unwritable {
+    /// The state of such a number.
+    pub fn of(number: usize, solution: &Solution, source: EncodeError) -> Self {
+        Self { number, time: solution.time.to_string(), source }
+    }
+}
+
+/// What a file of states is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// A table of comma-separated values.
+    Csv,
+    /// Messages.
+    Messages(Format),
+}
+
+impl Target {
+    /// By the ending of a file's name; NMEA sentences are those given.
+    pub fn named(path: &Path, sentences: &[Sentence]) -> Option<Self> {
+        Some(match path.extension()?.to_ascii_lowercase().to_str()? {
+            "csv" => Self::Csv,
+            "nmea" => Self::Messages(Format::Nmea(sentences.to_vec())),
+            "inspvaxa" => Self::Messages(Format::InspvaxAscii),
+            "inspvax" | "inspvaxb" => Self::Messages(Format::InspvaxBinary),
+            _ => return None,
+        })
+    }
+
+    /// The whole file.
+    ///
+    /// # Errors
+    /// The first state that the format cannot hold.
+    pub fn written(&self, solutions: &[Solution]) -> Result<Vec<u8>, Unwritable> {
+        let mut bytes = Vec::new();
+        match self {
+            Self::Csv => csv::write(solutions, &mut bytes),
+            Self::Messages(format) => {
+                for (number, solution) in (1..).zip(solutions) {
+                    let written = format.write(solution, &mut bytes);
+                    written.map_err(|source| Unwritable::of(number, solution, source))?;
+                }
+            }
+        }
+        Ok(bytes)
+    }
 }
 
 impl Format {

@@ -17,6 +17,7 @@
 //! one that has an aim.
 
 mod error;
+mod figures;
 mod gating;
 mod boresight;
 pub mod picture;
@@ -24,6 +25,7 @@ pub mod picture;
 use num_complex::Complex32;
 
 pub use error::FocusError;
+pub use figures::ImageFigures;
 
 use super::backproject::{Aperture, PulseEcho, fast};
 use super::multilook::multilook;

@@ -30,3 +30,21 @@ pub trait Kind {
     /// Departure of the slope density from a Gaussian, wind at 12.5 m.
     fn gram_charlier(&self, wind_12p5_mps: f64) -> GramCharlier;
 }
+
+impl Kind for &dyn Kind {
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
+
+    fn spectrum_factor(&self, wavenumber_radpm: f64) -> f64 {
+        (**self).spectrum_factor(wavenumber_radpm)
+    }
+
+    fn slopes(&self, wind_12p5_mps: f64) -> MeanSquareSlope {
+        (**self).slopes(wind_12p5_mps)
+    }
+
+    fn gram_charlier(&self, wind_12p5_mps: f64) -> GramCharlier {
+        (**self).gram_charlier(wind_12p5_mps)
+    }
+}

@@ -5,26 +5,46 @@
 //! (`nereus examine-recording FILE`), with limits of memory and of time. Only what that process survived is
 //! read again, by the same functions, in this one. docs/decisions/0041-hostile-files.md has the reasons.
 
-pub mod error;
-use clap::Args;
-use error::ExamineError;
 use std::ffi::OsString;
 use std::io::{self, Read};
 use std::path::Path;
-use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::error::CliError;
-use super::escape;
+#[cfg(feature = "hdf5")]
+use super::RecordingError;
+use crate::inputs::shown;
 
-/// `nereus examine-recording`
-#[derive(Debug, Args)]
-pub struct ExamineArgs {
-    /// Recording (HDF5)
-    pub recording: PathBuf,
+/// Why a recording is not read.
+#[derive(Debug, thiserror::Error)]
+pub enum ExaminationError {
+    /// It is wrong, as the process that read it reports.
+    #[error("{message}")]
+    Refused {
+        /// Its report.
+        message: String,
+    },
+    /// The process did not come to an end by itself.
+    #[error(
+        "{path}: not read: {how} when it was examined in a process of its own; the file is damaged or was forged; \
+         allowed: recordings of nereus as they were written"
+    )]
+    Fatal {
+        /// The recording.
+        path: String,
+        /// How it ended.
+        how: String,
+    },
+    /// There is no such process.
+    #[error("{path}: cannot be examined in a process of its own: {source}")]
+    Process {
+        /// The recording.
+        path: String,
+        /// The system's error.
+        source: io::Error,
+    },
 }
 
 /// Memory of the second process, bytes: far above what a reader of blocks needs.
@@ -66,13 +86,16 @@ fn program() -> io::Result<Command> {
 }
 
 /// Has an HDF5 file read in a process of its own; what is none is left to who reads it.
-pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
+///
+/// # Errors
+/// A file that is not read: what is wrong with it, or how the process ended.
+pub fn examine(path: &Path) -> Result<(), ExaminationError> {
     let length = match std::fs::metadata(path) {
         Ok(data) if data.is_file() && cfg!(feature = "hdf5") => data.len(),
         _ => return Ok(()),
     };
-    let shown = || escape::path(path);
-    let failed = |source| ExamineError::Process { path: shown(), source };
+    let shown = || shown(path);
+    let failed = |source| ExaminationError::Process { path: shown(), source };
     let child = program()
         .map_err(failed)?
         .arg("examine-recording")
@@ -83,7 +106,7 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
         .stderr(Stdio::piped())
         .spawn()
         .map_err(failed)?;
-    let fatal = |how: String| ExamineError::Fatal { path: shown(), how };
+    let fatal = |how: String| ExaminationError::Fatal { path: shown(), how };
     let limit = Duration::from_secs(seconds(length).saturating_mul(4));
     let Some((status, words)) = listen(child, limit).map_err(failed)? else {
         return Err(fatal(format!("nothing came of it within {} s", limit.as_secs())));
@@ -93,7 +116,7 @@ pub(super) fn examine(path: &Path) -> Result<(), ExamineError> {
     }
     let words = String::from_utf8_lossy(&words);
     match (status.code(), words.trim().strip_prefix("error: ")) {
-        (Some(1 | 2), Some(message)) => Err(ExamineError::Refused { message: message.to_owned() }),
+        (Some(1 | 2), Some(message)) => Err(ExaminationError::Refused { message: message.to_owned() }),
         _ => Err(fatal(format!("the reader ended with {status}"))),
     }
 }
@@ -141,19 +164,27 @@ fn wait(child: &mut Child, limit: Duration) -> io::Result<Option<ExitStatus>> {
     }
 }
 
-/// The second process: reads everything under limits, and keeps nothing.
-#[cfg(feature = "hdf5")]
-pub(super) fn examine_here(args: &ExamineArgs) -> Result<(), CliError> {
-    let length = std::fs::metadata(&args.recording).map_or(0, |data| data.len());
-    limit(length);
-    crate::recording::hdf5::read_through(&args.recording)?;
-    Ok(())
+/// Has a damaged recording read as far as it goes: what kills or holds up its reader is not read here, what
+/// it refuses is left to who reads it.
+///
+/// # Errors
+/// A file that its reader did not survive.
+pub fn survive(path: &Path) -> Result<(), ExaminationError> {
+    match examine(path) {
+        Ok(()) | Err(ExaminationError::Refused { .. }) => Ok(()),
+        Err(fatal) => Err(fatal),
+    }
 }
 
-/// A build without HDF5 reads no such file.
-#[cfg(not(feature = "hdf5"))]
-pub(super) fn examine_here(args: &ExamineArgs) -> Result<(), CliError> {
-    Err(CliError::NoHdf5 { out: args.recording.clone() })
+/// The second process: reads everything under limits, and keeps nothing.
+///
+/// # Errors
+/// What is wrong with the recording.
+#[cfg(feature = "hdf5")]
+pub fn read_under_limits(recording: &Path) -> Result<(), RecordingError> {
+    let length = std::fs::metadata(recording).map_or(0, |data| data.len());
+    limit(length);
+    super::hdf5::read_through(recording).map(drop)
 }
 
 /// Limits of this process. A system that refuses one goes without: the other process watches the time.

@@ -1,0 +1,89 @@
+//! The recording of a run sent elsewhere than its scenario has it.
+
+use std::path::{Path, PathBuf};
+
+use super::{Kind, Settings, names_crsd, names_hdf5};
+use crate::inputs::shown;
+
+/// Why a recording cannot be sent elsewhere.
+#[derive(Debug, thiserror::Error)]
+pub enum RedirectionError {
+    /// Several recordings.
+    #[error(
+        "--out {} does not say which of {recordings} recordings; allowed with one, else --set sink.<n>.path=...",
+        shown(out)
+    )]
+    WhichSink {
+        /// What was asked.
+        out: PathBuf,
+        /// Recordings of the scenario.
+        recordings: usize,
+    },
+    /// An HDF5 file asked of a build without HDF5.
+    #[error(
+        "this build has no HDF5 (feature `hdf5`): --out {} cannot be an HDF5 file; allowed: a folder",
+        shown(out)
+    )]
+    NoHdf5 {
+        /// What was asked.
+        out: PathBuf,
+    },
+}
+
+/// Refuses the name of an HDF5 file where this build makes none.
+///
+/// # Errors
+/// Such a name.
+pub fn check_name(out: &Path) -> Result<(), RedirectionError> {
+    match names_hdf5(out) && !cfg!(feature = "hdf5") {
+        true => Err(RedirectionError::NoHdf5 { out: out.to_owned() }),
+        false => Ok(()),
+    }
+}
+
+/// Sends the recording elsewhere, or replaces the null sink where there is none.
+///
+/// # Errors
+/// Several recordings, and a name of an HDF5 file where this build makes none.
+pub fn redirect(sinks: &mut Vec<Settings>, out: &Path) -> Result<(), RedirectionError> {
+    let mut paths: Vec<&mut PathBuf> =
+        sinks.iter_mut().filter_map(|sink| sink.kind.recording_path()).collect();
+    match &mut paths[..] {
+        [path] => {
+            **path = out.to_owned();
+            record_as_named(sinks, out);
+        }
+        [] => {
+            check_name(out)?;
+            let kind = Kind::recording_at(out, false);
+            // A resolved run has at least one sink. One that sends goes on sending.
+            match sinks.iter_mut().find(|sink| sink.kind == Kind::Null) {
+                Some(sink) => sink.kind = kind,
+                None => {
+                    let queue_pulses = sinks.first().map_or(64, |sink| sink.queue_pulses);
+                    sinks.push(Settings { kind, queue_pulses });
+                }
+            }
+        }
+        several => {
+            return Err(RedirectionError::WhichSink { out: out.to_owned(), recordings: several.len() });
+        }
+    }
+    Ok(())
+}
+
+/// A recording whose new name ends as HDF5 or CRSD becomes one, where this build can make it.
+fn record_as_named(sinks: &mut [Settings], out: &Path) {
+    let (to_hdf5, to_crsd) = (cfg!(feature = "hdf5") && names_hdf5(out), names_crsd(out));
+    for sink in sinks {
+        match &sink.kind {
+            Kind::Plain { path, force } | Kind::Crsd { path, force } if to_hdf5 => {
+                sink.kind = Kind::Hdf5 { path: path.clone(), segment_s: None, force: *force };
+            }
+            Kind::Plain { path, force } | Kind::Hdf5 { path, force, .. } if to_crsd => {
+                sink.kind = Kind::Crsd { path: path.clone(), force: *force };
+            }
+            _ => {}
+        }
+    }
+}
