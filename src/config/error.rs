@@ -355,7 +355,7 @@ pub enum Problem {
         error: String,
     },
     /// More ports than there are from the first one on.
-    #[error("\"{bind}\" is the first of {ports} ports, one a channel; allowed: a first port of at most {}", 65_536 - u32::from(*.ports))]
+    #[error("\"{bind}\" is the first of {ports} ports, one per channel; allowed: a first port of at most {}", 65_536 - u32::from(*.ports))]
     Ports {
         /// As written.
         bind: String,

@@ -102,7 +102,7 @@ pub fn models(run: &Run) -> Models {
             with.push(described(
                 "thermal noise",
                 format!(
-                    "noise figure {figure_db} dB: k T0 F B = {:.1} dBW a sample, in the noise bandwidth of the receive filter, \
+                    "noise figure {figure_db} dB: k T0 F B = {:.1} dBW per sample, in the noise bandwidth of the receive filter, \
                      {} MHz (0.875 of the sample rate)",
                     Decibels::from_power_ratio(noise_w).0,
                     neat(bandwidth_hz / 1e6)
