@@ -49,7 +49,7 @@
 //! | [`processor`] | what a processor makes of pulses: compression, back-projection, point targets |
 //! | [`clutter`] | statistics of the sea's echo: laws, fits, goodness |
 //! | [`config`] | a scenario as written, then as meant |
-//! | [`fidelity`] | an error that is asked for becomes settings, and the error they are predicted to leave |
+//! | [`fidelity`] | a requested error becomes settings, and the error they are predicted to leave |
 //! | [`pipeline`] | the only factory: a run becomes a running stream |
 //! | [`adequacy`] | whether patch, facets, window and horizon fit the scene |
 //! | [`mod@bench`] | measures speed and error of a pipeline |

@@ -11,15 +11,14 @@
 //!   assumed, as fine as antennas of metres allow.
 //! * The window should hold the patch, and every antenna should see it: on a curved earth it lies before the
 //!   [`horizon`].
-//! * Waves of a ship should be long enough for the facets and the band limit, and the ship should come by the
+//! * Waves of a ship should be long enough for the facets and the band limit, and the ship should cross the
 //!   patch.
 //! * Above 25 m/s at 10 m the laws of wind and waves are extrapolations, and waves steepen beyond a linear
 //!   sea.
 //!
 //! Geometry is taken at the first, middle and last pulse, on a lattice of [`LATTICE`] x [`LATTICE`] points
-//! over the patch, without the motion during the echo and without waves. What a following patch lets come and
-//! go is
-//! [`edge_db`]: it illuminates every facet.
+//! over the patch, without the motion during the echo and without waves. How strong the facets are that enter
+//! and leave a following patch ([`edge_db`]) is evaluated only on request, because it needs every facet.
 //!
 //! `B` is the bandwidth (Hz), `c` the speed of light, theta from the vertical.
 
@@ -258,7 +257,7 @@ pub enum SeaWarning {
         /// The ship.
         ship: String,
     },
-    /// A ship beside the patch.
+    /// A ship that misses the patch.
     #[error(
         "ship \"{ship}\" lies outside the patch of sea at the start, middle and end of the run{}",
         if *reached { ": its wake reaches it" } else { ", and so does its wake" }

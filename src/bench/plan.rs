@@ -24,7 +24,7 @@ pub struct PlanReport {
     /// Pulses that were made to find that out, and how many settings were tried.
     #[serde(skip_serializing_if = "Option::is_none")]
     dry_run: Option<DryRunReport>,
-    /// By the costs of a common machine.
+    /// By the costs of a reference machine, the same on every machine; settings are compared by it.
     predicted_real_time_factor: f64,
     predicted_rss_mib: f64,
 }
@@ -37,7 +37,7 @@ struct DryRunReport {
     tries: u32,
 }
 
-/// What the dry run found above the sum of the parts, beside the names of these.
+/// What the dry run found above the sum of the parts, next to the names of these.
 const BY_DRY_RUN: &str = "dry_run";
 
 /// Parts of a predicted error, dB; what is none is left out. A dry run that found less than their sum stands
@@ -61,7 +61,7 @@ fn set_otherwise(plan: &Plan) -> Map<String, Value> {
     other.map(|(name, asked)| (name.to_owned(), Value::from(asked))).collect()
 }
 
-/// What to say where the error that is asked is not kept.
+/// What to say where the requested error is not kept.
 pub fn not_kept(plan: &Plan) -> Option<String> {
     let (asked_db, predicted_db) = (plan.asked.error_db, plan.prediction.total_db());
     if plan.keeps() {
@@ -91,7 +91,7 @@ pub fn not_kept(plan: &Plan) -> Option<String> {
 pub fn echo_text(plan: &Plan) -> String {
     let (asked_db, predicted_db) = (plan.asked.error_db, plan.prediction.total_db());
     format!(
-        "fast: error against the reference {predicted_db:.1} dB predicted, {asked_db} asked; settings below"
+        "fast: error against the reference {predicted_db:.1} dB predicted, {asked_db} dB requested; settings below"
     )
 }
 
@@ -132,7 +132,7 @@ impl PlanReport {
                 "scatter_pulses" => " (it is node_pulses, or about half or a third of it)",
                 _ => "",
             };
-            format!("{name} {set}, asked {asked}{why}")
+            format!("{name} {set}, requested {asked}{why}")
         });
         let rounded: Vec<String> = rounded.collect();
         if !rounded.is_empty() {
@@ -146,7 +146,7 @@ impl PlanReport {
         });
         rows.push(described(
             "error",
-            format!("{:.1} dB predicted, {} asked", self.predicted_rel_rms_db, self.error_db),
+            format!("{:.1} dB predicted, {} dB requested", self.predicted_rel_rms_db, self.error_db),
         ));
         let sum: f64 =
             self.predicted_error_db.values().filter_map(Value::as_f64).map(|db| 10f64.powf(db / 10.0)).sum();
@@ -157,13 +157,13 @@ impl PlanReport {
         rows.extend(tried);
         rows.extend([
             described(
-                "speed",
+                "relative cost",
                 format!(
-                    "{} times real time by the cost model, not measured",
+                    "{} times real time on a reference machine (cost model); the forecast is measured on this machine",
                     digits(self.predicted_real_time_factor)
                 ),
             ),
-            described("memory", format!("{:.0} MiB resident", self.predicted_rss_mib)),
+            described("memory", format!("up to {:.0} MiB resident", self.predicted_rss_mib)),
         ]);
         rows
     }

@@ -18,7 +18,7 @@ pub struct Setting {
     pub values: &'static [&'static str],
 }
 
-/// The error that is asked: the other settings are chosen for it.
+/// The requested error: the other settings are chosen for it.
 pub const ERROR_KEY: &str = "fidelity.error_db";
 
 /// What trades accuracy for speed.

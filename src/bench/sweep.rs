@@ -76,7 +76,7 @@ fn changed(setting: &Setting, value: &str) -> (String, String) {
 pub fn trials(grid: bool) -> Vec<Overrides> {
     let mut trials = vec![Vec::new()];
     if grid {
-        // An error that is asked decides nothing where all settings are given.
+        // An requested error decides nothing where all settings are given.
         for setting in SETTINGS.iter().filter(|setting| setting.key != ERROR_KEY) {
             trials = trials
                 .iter()

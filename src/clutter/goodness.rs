@@ -1,4 +1,4 @@
-//! Whether a law fits: the distance of Kolmogorov and Smirnov.
+//! Whether a law fits: the Kolmogorov-Smirnov distance.
 //!
 //! ```text
 //! D = max over z of |F_n(z) - P(z)|,   F_n the share of the sample that is not larger

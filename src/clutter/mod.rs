@@ -5,7 +5,7 @@
 //! | [`laws`] | K, Weibull and Rayleigh laws: density, probability, numbers drawn from them |
 //! | [`sample`] | powers of pixels that are to be fitted: what is refused, what is counted |
 //! | [`moments`], [`likelihood`], [`histogram`] | three ways to fit a law |
-//! | [`goodness`] | distance of Kolmogorov and Smirnov, its probability by parametric bootstrap |
+//! | [`goodness`] | Kolmogorov-Smirnov distance, its probability by parametric bootstrap |
 //! | [`blocks`] | errors of pixels that waves make alike, by leaving out parts of an image |
 //! | [`image`] | images of the patch, a pixel a resolution cell |
 //! | [`spacing`] | how far apart pixels of an image are independent |

@@ -132,8 +132,8 @@ pub enum Problem {
         /// What may have been meant.
         hint: Hint,
     },
-    /// A key of this table that has no meaning beside the others.
-    #[error("has no meaning here ({when})")]
+    /// A key of this table that is not allowed together with the others.
+    #[error("not allowed here ({when})")]
     Idle {
         /// Why.
         when: String,
@@ -217,7 +217,7 @@ pub enum Problem {
     NeedsOrigin,
     /// More bandwidth than can be sampled.
     #[error(
-        "{bandwidth_hz:e} Hz is more than radar.sample_rate_hz holds; allowed: up to {sample_rate_hz:e} Hz"
+        "{bandwidth_hz:e} Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to {sample_rate_hz:e} Hz"
     )]
     Bandwidth {
         /// Bandwidth.
@@ -355,7 +355,7 @@ pub enum Problem {
         error: String,
     },
     /// More ports than there are from the first one on.
-    #[error("\"{bind}\" is the first of {ports} ports, one a channel; allowed: a first port of at most {}", 65_536 - u32::from(*.ports))]
+    #[error("\"{bind}\" is the first of {ports} ports, one per channel; allowed: a first port of at most {}", 65_536 - u32::from(*.ports))]
     Ports {
         /// As written.
         bind: String,
@@ -387,7 +387,7 @@ pub enum Problem {
         why: String,
     },
     /// An override of a key that does not exist.
-    #[error("leads to nothing: {reason}")]
+    #[error("no such entry: {reason}")]
     Lost {
         /// Why.
         reason: String,
@@ -474,7 +474,7 @@ pub enum Warning {
         /// Its name.
         name: String,
     },
-    /// Settings of the fast echo beside the reference.
+    /// Settings of the fast echo together with the reference.
     #[error("without effect on the reference echo: {keys}; fidelity.echo = \"fast\" heeds them")]
     IdleSettings {
         /// The keys.
@@ -520,7 +520,7 @@ pub enum Warning {
     },
     /// The ring cannot hold the latency.
     #[error(
-        "{wanted} pulses are under way within the latency, {slots} fit in {mebibytes} MiB: pulses are made {slots} ahead"
+        "the latency needs {wanted} buffered pulses; {slots} fit in {mebibytes} MiB: pulses are made {slots} ahead"
     )]
     ShortRing {
         /// Slots for the whole latency.

@@ -1,7 +1,7 @@
 //! Scatterer paths to samples.
 //!
-//! [`mod@reference`] is written from the equation and judges the rest; [`mod@synth`] is fast. [`Fidelity`]
-//! selects which one a run takes.
+//! [`mod@reference`] is written from the equation, and the rest is compared with it; [`mod@synth`] is fast.
+//! [`Fidelity`] selects which one a run takes.
 
 pub mod reference;
 pub mod synth;

@@ -1,6 +1,6 @@
 //! The f64 reference echo, written from the equation. Everything faster is measured against it.
 //!
-//! # Reference B'
+//! # Filtered, exact within the pulse (reference B')
 //!
 //! Receiver-filtered, with the motion during the pulse as an exact term. For the channel of a pair, on an
 //! `N`-point transform that starts at the window's first sample:
@@ -29,17 +29,17 @@
 //! ```
 //!
 //! So carrier and envelope are stretched alike, and the Doppler shift is `-f0 r/(1 + r)`. With the envelope
-//! left as it was (`P(f + f0 r)`) the error is `2 pi B Tc |r| / sqrt 30` for a linear sweep: -92 dB at 20 x
-//! 1e-6, -17.8 dB at 4000 x 2.8e-5 (Ka band from orbit). The factor `1 + r` is that of the integral: `|q|` is
-//! that of the pulse, the change of field strength on reflection at something that moves (`r`, -86 dB at
-//! 5e-5, the same for all samples of an echo) is not modelled. Neglected: acceleration within the pulse. The
-//! phase `f0 tau` is taken modulo one turn in f64: from orbit (5e7 turns) it is exact to 5e-8 rad.
+//! left as it was (`P(f + f0 r)`) the error is `2 pi B Tc |r| / sqrt 30` for a linear sweep: -89 dB at 20 x
+//! 1.5e-6 (aircraft), -17.8 dB at 4000 x 2.8e-5 (Ka from orbit). The factor `1 + r` is that of the integral:
+//! `|q|` is that of the pulse, the change of field strength on reflection at something that moves (`r`, -86
+//! dB at 5e-5, the same for all samples of an echo) is not modelled. Neglected: acceleration within the
+//! pulse. The phase `f0 tau` is taken modulo one turn in f64: from orbit (5e7 turns) it is exact to 5e-8 rad.
 //!
 //! The transform is periodic. Its length leaves [`GUARD_SAMPLES`] between the end of a pulse and its image,
 //! so that nothing wraps into the window; echoes that cannot reach the window (further than the guard from
 //! it) are left out and counted.
 //!
-//! # Reference A
+//! # Time-sampled, unfiltered (reference A)
 //!
 //! [`raw_samples`]: `q` sampled in time with no filter. A rectangular chirp is not band-limited, so A and B'
 //! differ by some -20 dB; A is for tests of delay, phase and Doppler conventions.
@@ -166,7 +166,8 @@ impl ReferenceEcho {
         }
     }
 
-    /// The same with `r_n := 0` within the pulse (reference B): everything stands still while a pulse passes.
+    /// The same with `r_n := 0` within the pulse (filtered, frozen: reference B): everything stands still
+    /// while a pulse passes.
     pub fn neglect_intra_pulse_doppler(mut self) -> Self {
         self.rate_factor = 0.0;
         self

@@ -1,4 +1,4 @@
-//! The error that is asked for, and the plan that is made to keep it.
+//! The requested error, and the plan that is made to keep it.
 
 use super::Prediction;
 use super::cost::{Size, Work};
@@ -31,13 +31,13 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Whether the error that was asked is kept.
+    /// Whether the requested error is kept.
     pub fn keeps(&self) -> bool {
         self.prediction.total_db() <= self.asked.error_db
     }
 }
 
-/// The error that is asked for, and what follows from it for all settings.
+/// The requested error, and what follows from it for all settings.
 #[derive(Clone, Copy)]
 pub(super) struct Budget {
     /// What is asked.

@@ -164,7 +164,7 @@ impl Size {
                 + DROP * generator.drops(),
             pairs,
             travelling: if scene.sea.as_ref().is_none_or(frozen) { 0.0 } else { pairs },
-            // Two transforms beside four, for either.
+            // Two transforms instead of four, for either.
             surface: 1.0 + [modulates, choppy].map(|of| if of { 0.5 } else { 0.0 }).iter().sum::<f64>(),
             channels: radar.channels.len() as f64,
             antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,

@@ -1,4 +1,4 @@
-//! Settings of the fast echo: what is chosen for an error that is asked for.
+//! Settings of the fast echo: what is chosen for a requested error.
 
 use crate::echo::synth::{Precision, Settings};
 use crate::paths::block::{NODES, Sidelobe};

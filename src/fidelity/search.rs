@@ -234,8 +234,8 @@ impl<'a> Search<'a> {
         plans
     }
 
-    /// The least that a spacing of nodes may cost, s a pulse: one scattering epoch a node, gains as far apart
-    /// and as many sidelobe tiles as the gains allow.
+    /// The least that a spacing of nodes may cost, s per pulse: one scattering epoch a node, gains as far
+    /// apart and as many sidelobe tiles as the gains allow.
     fn least_s(&self, node_pulses: u64, allowed: &[(u64, Candidate)]) -> f64 {
         let epochs = self.budget.asked.scatter_pulses.map_or(1, |pulses| epochs_of(node_pulses, pulses));
         let seconds = allowed.iter().map(|(pulses, candidate)| {

@@ -96,7 +96,7 @@ pub fn now(now: &Now) -> Value {
     })
 }
 
-/// Points of the history from a place on: per point `[pulse, time, then 16 numbers a platform]`.
+/// Points of the history from a place on: per point `[pulse, time, then 16 numbers per platform]`.
 pub fn history(points: &[Instant], epoch: u32, first: usize) -> Value {
     let row = |point: &Instant| {
         let mut row = vec![point.pulse as f64, rounded(point.time_s, 6)];

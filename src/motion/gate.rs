@@ -1,4 +1,4 @@
-//! A gate for fixes that a platform cannot have flown to.
+//! Plausibility filter: refuses fixes that imply an impossible speed or acceleration.
 //!
 //! A receiver may send wrong data with a right checksum: a fix 100 km away, a height of zero, the place of
 //! another receiver. With `p`, `t` the last believed fix, `v` its velocity (as sent, else from the fix before
@@ -41,7 +41,7 @@ pub enum Verdict<T> {
     Jumped(Vec<T>),
 }
 
-/// A gate that fixes of one platform pass. `T` is what stands for a fix.
+/// A plausibility filter that fixes of one platform pass. `T` is what stands for a fix.
 #[derive(Debug)]
 pub struct MotionGate<T> {
     frame: SceneFrame,
@@ -63,7 +63,7 @@ struct Known {
 }
 
 impl<T> MotionGate<T> {
-    /// A gate that has seen nothing: it believes the first fix.
+    /// A filter that has seen nothing: it believes the first fix.
     pub fn new(frame: SceneFrame, bounds: MotionBounds) -> Self {
         Self { frame, bounds, believed: None, rivals: Vec::new(), rival: None }
     }

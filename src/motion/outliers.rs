@@ -6,8 +6,8 @@
 //! fixes near it, so that a turn, where all distances grow, rejects nothing (F. R. Hampel, *J. Am. Stat.
 //! Assoc.* 69 (1974) 383).
 //!
-//! *After* smoothing: a rejected fix whose residual is below the gate comes back; a used fix whose residual
-//! is above the gate and three times those of its neighbours (isolated) goes.
+//! *After* smoothing: a rejected fix whose residual is below the bound comes back; a used fix whose residual
+//! is above the bound and three times those of its neighbours (isolated) goes.
 
 /// Neighbours on either side that are asked.
 pub const REACH: usize = 4;
@@ -50,7 +50,7 @@ pub(super) fn deviations(t_s: &[f64], z_m: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Which fixes pass the gate, from their distances.
+/// Which fixes pass the bound, from their distances.
 pub(super) fn gate(distance_m: &[f64], sigma_m: f64) -> Vec<bool> {
     let n = distance_m.len();
     let mut near = Vec::new();
@@ -65,7 +65,7 @@ pub(super) fn gate(distance_m: &[f64], sigma_m: f64) -> Vec<bool> {
         .collect()
 }
 
-/// Which fixes pass the gate after smoothing, from their residuals.
+/// Which fixes pass the bound after smoothing, from their residuals.
 pub(super) fn regate(residual_m: &[f64], used: &[bool], sigma_m: f64) -> Vec<bool> {
     let n = residual_m.len();
     let mut all: Vec<f64> = residual_m.iter().zip(used).filter(|(_, used)| **used).map(|(r, _)| *r).collect();

@@ -196,7 +196,7 @@ impl BreakingPlan {
     }
 }
 
-/// Twice the mean, as how many break depends on the longest waves, and a few of the largest.
+/// Room for twice the mean number of breakers, because it varies with the longest waves, and a margin.
 fn room(mean: f64) -> usize {
     (2.0 * mean + 1024.0).min(ROOM) as usize
 }

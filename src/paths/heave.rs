@@ -11,18 +11,18 @@
 //! | `w_e` | frequency with which the target meets a wave | rad/s |
 //! | `L` | waterline: waves along a hull of this length average out by `W`, shorter ones altogether | m |
 //!
-//! Height, rate and acceleration are summed at **knots**, so close that the fastest of these waves turns by
-//! half a radian, and are quintic Hermite in between (off by 4e-7 of a wave at most); so are slopes, `j K` in
-//! the sum, and their rates, cubic in between (2e-4). What lifts and tilts a target is the same in the
-//! reference and in the fast echo. Its own vertical, by which its aspect is found, is the normal of that mean
-//! surface: roll and pitch follow the slope, the heading stays. The height of the target's position is
-//! carried on top, above the sea that curves with the earth. Every knot is found once, by whoever comes
-//! first.
+//! Height, rate and acceleration are summed at **time samples**, so close that the fastest of these waves
+//! turns by half a radian, and are quintic Hermite in between (off by 4e-7 of a wave at most); so are slopes,
+//! `j K` in the sum, and their rates, cubic in between (2e-4). What lifts and tilts a target is the same in
+//! the reference and in the fast echo. Its own vertical, by which its aspect is found, is the normal of that
+//! mean surface: roll and pitch follow the slope, the heading stays. The height of the target's position is
+//! carried on top, above the sea that curves with the earth. Every time sample is found once, by whoever
+//! comes first.
 //!
 //! **Crests**, where waves hide facets ([`crate::geometry::shadow`]): the target has their clearance, over
 //! the points of its line of sight a facet apart, and their weight. Waves of that line are those longer than
-//! the waterline, unaveraged. Weights are found at both knots about an instant from the course of the antenna
-//! at the first (live navigation knows no later one), and are linear in between.
+//! the waterline, unaveraged. Weights are found at both time samples about an instant from the course of the
+//! antenna at the first (live navigation knows no later one), and are linear in between.
 //!
 //! Limits: linear waves; a hull that follows the water at once (no resonance, no damping); no sway with the
 //! orbital motion; waves of ships neither lift nor hide it; the crests of the first
@@ -75,7 +75,7 @@ pub(super) struct Crests {
     pub antennas: usize,
 }
 
-/// The surface at a knot: height, rate, acceleration; slopes East and North, and their rates.
+/// The surface at a time sample: height, rate, acceleration; slopes East and North, and their rates.
 #[derive(Clone, Copy, Debug, Default)]
 struct Knot {
     height: [f64; 3],
@@ -88,7 +88,7 @@ pub(super) struct Heave {
     waves: Arc<[Wave]>,
     knots: Series<Knot>,
     crests: Option<Crests>,
-    /// `[knot][antenna]`: weights at the knot and at the next.
+    /// `[knot][antenna]`: weights at the time sample and at the next.
     weights: Vec<OnceLock<[f64; 2]>>,
     /// East, North at pulse 0 and speed, m/s.
     course: [[f64; 2]; 2],

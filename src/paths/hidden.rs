@@ -8,9 +8,9 @@
 //! above the line from the antenna over the highest land before it (`z`, `z_A`, `h` heights of target,
 //! antenna and land, `d`, `d_A` distances of target and land from the antenna along the plane), and the
 //! weight that a facet has ([`crate::geometry::shadow::visible`]). Sea hides nothing here: crests and horizon
-//! do. Weights are found at knots of the run, from the course of the antenna at the first of the two about an
-//! instant (live navigation knows no later one), and are linear in between: at most [`APART_S`], and half a
-//! facet of a target's course.
+//! do. Weights are found at time samples of the run, from the course of the antenna at the first of the two
+//! about an instant (live navigation knows no later one), and are linear in between: at most [`APART_S`], and
+//! half a facet of a target's course.
 //!
 //! A ship that echoes by its mesh has these clearances at its waterline, of bow, midship and stern
 //! ([`Hills::along`]); a panel has that of its place along the ship, linear in between, and as much more as
@@ -29,11 +29,11 @@ use crate::motion::pointing::PhaseCentre;
 use crate::scene::Target;
 use crate::sea::land::Dem;
 
-/// Time between knots, s: the longest, and the shortest.
+/// Time between time samples, s: the longest, and the shortest.
 const APART_S: f64 = 0.2;
 const SHORTEST_S: f64 = 0.02;
-/// Weights that are kept, of all targets and antennas; those about later knots are found whenever they are
-/// needed.
+/// Weights that are kept, of all targets and antennas; those about later time samples are found whenever they
+/// are needed.
 const MOST_KEPT: usize = 4_194_304;
 /// Places along a line of sight.
 const MOST_STEPS: usize = 4096;
@@ -53,7 +53,7 @@ pub(super) struct Hills {
 #[derive(Debug)]
 struct Knots {
     apart_s: f64,
-    /// `[knot][antenna]`: at the knot and at the next.
+    /// `[knot][antenna]`: at the time sample and at the next.
     weights: Vec<OnceLock<[f64; 2]>>,
 }
 

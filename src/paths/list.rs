@@ -1,4 +1,4 @@
-//! The scatterer path list: the neck through which everything that scatters reaches the echo.
+//! The scatterer path list: the interface between everything that scatters and the echo.
 //!
 //! A scatterer path is one path transmitter - scatterer - receiver of one emission. Per transmitter-receiver
 //! **pair** it has a delay `tau` (s) and its rate `r = d tau / dt`; per **channel** a complex amplitude

@@ -20,8 +20,8 @@
 //! carries its transmit polarisation. Amplitudes are those of [`crate::radar::link`]. Scatterer paths
 //! without amplitude in any channel (behind the antenna, in an exact null) are left out.
 //!
-//! The gate of `Gate::Follow` is the exact light time over the aim point between the *known* positions
-//! of the first pair, less the lead; it is not rounded to samples.
+//! The opening of the window with `Gate::Follow` is the exact light time over the aim point between the
+//! *known* positions of the first pair, less the lead; it is not rounded to samples.
 //!
 //! [`PathGenerator::pulse`] depends on nothing but the pulse's index, and does not allocate once the
 //! scatterer path list has its room.
@@ -338,7 +338,7 @@ impl PathGenerator {
         Ok(built)
     }
 
-    /// The same with clocks that are wrong: windows open by them.
+    /// The same with clock errors: windows open by them.
     pub fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
         Self { clocks, ..self }
     }

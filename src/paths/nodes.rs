@@ -98,15 +98,15 @@ impl PathGenerator {
     /// Start of the window of a pulse after its emission by the clocks of the radar, s.
     ///
     /// # Errors
-    /// A gate that follows a platform whose track does not cover the pulse.
+    /// A receive window that follows a platform whose track does not cover the pulse.
     pub fn nominal_start_of(&self, index: u64) -> Result<f64, RadarError> {
         self.nominal_start_s(index, self.radar.emissions.emission(self.start, index))
     }
 
-    /// Start of the window of a pulse after its emission, s; where clocks are wrong, the true one.
+    /// Start of the window of a pulse after its emission, s; with clock errors, the true one.
     ///
     /// # Errors
-    /// A gate that follows a platform whose track does not cover the pulse.
+    /// A receive window that follows a platform whose track does not cover the pulse.
     pub fn window_start_of(&self, index: u64) -> Result<f64, RadarError> {
         self.window_start_s(index, self.radar.emissions.emission(self.start, index))
     }

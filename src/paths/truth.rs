@@ -1,4 +1,4 @@
-//! What a pulse records beside its samples: navigation, antennas, truth, and where its window opens.
+//! What a pulse records in addition to its samples: navigation, antennas, truth, and where its window opens.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! The waves of a surface one by one, and what they do to something that floats, at knots of the run.
+//! The waves of a surface one by one, and what they do to something that floats, at time samples of the run.
 //!
 //! Sums over waves are found at instants `apart_s` apart, each once, by whoever comes first, and are quintic
 //! Hermite in between.
@@ -9,7 +9,8 @@ use num_complex::Complex64;
 
 use crate::sea::surface::Surface;
 
-/// Turn of the fastest wave from knot to knot, rad; and the longest time between knots, s.
+/// Turn of the fastest wave from time sample to time sample, rad; and the longest time between time samples,
+/// s.
 pub(super) const TURN_RAD: f64 = 0.5;
 pub(super) const LONGEST_S: f64 = 0.2;
 /// Knots that are kept; later ones are summed whenever they are needed.
@@ -57,7 +58,7 @@ pub(super) fn components(surface: &Surface) -> impl Iterator<Item = Component> +
     )
 }
 
-/// Sums at knots of a run.
+/// Sums at time samples of a run.
 #[derive(Debug)]
 pub(super) struct Series<K> {
     apart_s: f64,
@@ -82,13 +83,13 @@ impl<K: Copy> Series<K> {
         self.knots.len()
     }
 
-    /// The knot before a time, and how far it is to the next: 0 to 1.
+    /// The time sample before a time, and how far it is to the next: 0 to 1.
     pub fn before(&self, elapsed_s: f64) -> (usize, f64) {
         let at = (elapsed_s / self.apart_s).max(0.0);
         (at.floor() as usize, at.fract())
     }
 
-    /// A knot; `sum` finds it for its time after pulse 0, s.
+    /// A time sample; `sum` finds it for its time after pulse 0, s.
     pub fn knot(&self, number: usize, sum: impl FnOnce(f64) -> K) -> K {
         let sum = || sum(number as f64 * self.apart_s);
         match self.knots.get(number) {
@@ -98,8 +99,8 @@ impl<K: Copy> Series<K> {
     }
 }
 
-/// Value and rate a share `s` of the way from one knot to another, `h` apart: `[value, rate, acceleration]`
-/// at both.
+/// Value and rate a share `s` of the way from one time sample to another, `h` apart: `[value, rate,
+/// acceleration]` at both.
 pub(super) fn quintic(h: f64, s: f64, [z0, v0, a0]: [f64; 3], [z1, v1, a1]: [f64; 3]) -> [f64; 2] {
     let (c1, c2) = (h * v0, 0.5 * h * h * a0);
     let (d, e, f) = (z1 - z0 - c1 - c2, h * v1 - c1 - 2.0 * c2, h * h * a1 - 2.0 * c2);

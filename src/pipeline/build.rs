@@ -307,8 +307,8 @@ impl PulseStream {
         self.control.as_ref().map(|(control, _)| control.clone())
     }
 
-    /// A view of what will be released, for [`Self::run_in_view`], and who looks: through a queue of so many
-    /// pulses. Nobody waits for him, and what he misses is not lost to anybody else.
+    /// A view of what will be released, for [`Self::run_in_view`], and its consumer, fed through a queue of
+    /// so many pulses. It never blocks the stream: where its queue is full it alone misses pulses.
     pub fn view(&self, queue_pulses: usize) -> (View, Onlooker) {
         view::view(queue_pulses, self.factory.layout())
     }

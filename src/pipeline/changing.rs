@@ -47,7 +47,7 @@ pub(super) fn enter(events: &[Event], changes: Option<&Arc<Changes>>) -> Result<
     events.iter().try_for_each(|event| changes.enter(event, Origin::Scenario))
 }
 
-/// What makes the pulses of a run with its events, by clocks that are right.
+/// What makes the pulses of a run with its events, by ideal clocks.
 ///
 /// # Errors
 /// All faults of the input.

@@ -24,7 +24,7 @@ use crate::transport::health::{Health, Snapshot};
 
 /// Changes that may wait to be taken.
 const WAITING: usize = 64;
-/// How often who waits for an answer scattering epochs whether the run is over.
+/// How often a waiting caller checks whether the run is over.
 const GLANCE: Duration = Duration::from_millis(20);
 
 /// Why a change is not taken.

@@ -38,7 +38,7 @@ pub fn factory_of(
     factory_by(scene, tracks, fidelity, &Clocks::default())
 }
 
-/// The same with clocks that are wrong.
+/// The same with clock errors.
 ///
 /// # Errors
 /// All faults of the scene and its clocks.

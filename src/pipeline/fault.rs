@@ -52,10 +52,10 @@ pub enum BuildError {
         /// Why.
         source: TrackError,
     },
-    /// The sea, reported beside faults of other parts.
+    /// The sea, reported together with faults of other parts.
     #[error("sea: {0}")]
     Sea(#[from] RealiseError),
-    /// A ship, reported beside faults of other parts.
+    /// A ship, reported together with faults of other parts.
     #[error(transparent)]
     Ship(#[from] FleetError),
     /// The waveform.

@@ -42,11 +42,11 @@ use crate::transport::{Pace, Policy};
 
 /// How far ahead of the schedule a fix may be, s.
 pub const MOST_AHEAD_S: f64 = 5.0;
-/// Between scattering epochs at the stop flag.
+/// Interval between checks of the stop flag.
 const LOOK: Duration = Duration::from_millis(20);
 /// How long a time of a block counts at least.
 const FORGOTTEN: Duration = Duration::from_secs(5);
-/// What a block is always given, beside the time it takes.
+/// What a block is always given, in addition to the time it takes.
 const LEAST_LEAD: Duration = Duration::from_millis(2);
 /// What a receiver and its line may take, and what making a block may, s.
 const MARGIN_S: f64 = 0.3;

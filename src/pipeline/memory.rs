@@ -11,7 +11,7 @@
 //! | ships that echo by their mesh, shared | [`SHARED_PATH_BYTES`] a panel or double bounce |
 //! | the same of a worker | nodes and factors of a block, `path_bytes` each |
 //! | scatterers of breaking waves | the same, and those that are kept for all workers |
-//! | grids of a worker | pulses of a block x cells x 2 floats a channel |
+//! | grids of a worker | pulses of a block x cells x 2 floats per channel |
 //! | ring and queues | pulses that wait x bytes of a pulse |
 //!
 //! Bytes a facet are those of the buffers as they are, found from the resident memory of seas of 256 x 256
@@ -59,8 +59,8 @@ pub(crate) fn single_bytes(facets: usize, threads: usize) -> u64 {
     (facets as u64).saturating_mul(shared.saturating_add(worker.saturating_mul(threads as u64)))
 }
 
-/// Shared, a path of a ship's mesh: its panel, the tree of its triangles, what is seen at the knots that are
-/// kept, and what the plan of the run follows of it.
+/// Shared, a path of a ship's mesh: its panel, the tree of its triangles, what is seen at the time samples
+/// that are kept, and what the plan of the run follows of it.
 pub const SHARED_PATH_BYTES: u64 = 1500;
 
 /// Of a worker, a path of a ship's mesh or a scatterer of a breaking wave, bytes: in lists of a delay, a rate

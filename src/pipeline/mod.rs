@@ -1,7 +1,7 @@
 //! The only factory: a [`Run`](crate::config::Run) becomes a running stream.
 //!
-//! This is the one floor that sees both halves of the house: the physics that makes a pulse
-//! ([`stages`]) and the transport that releases it ([`crate::transport`]).
+//! The only module that depends on both the physics that makes a pulse ([`stages`]) and the transport that
+//! releases it ([`crate::transport`]).
 
 #[doc(hidden)]
 pub mod hull_scatterers;

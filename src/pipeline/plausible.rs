@@ -48,7 +48,7 @@ pub struct TargetOutsideWindow {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PhysicsWarning {
-    /// Targets beside the window.
+    /// Targets outside the window.
     #[error("{}", outside_text(outside, *targets))]
     OutsideWindow {
         /// Those that no window receives.

@@ -22,7 +22,7 @@ use crate::recording::header::Header;
 use crate::transport::StreamError;
 use crate::transport::stage::Summary;
 
-/// Pulses between the run and who takes them, beside those of its rings.
+/// Pulses between the run and who takes them, in addition to those of its rings.
 const WAITING: usize = 16;
 /// Longest wait between two looks whether the run has ended.
 const GLANCE: Duration = Duration::from_secs(1);

@@ -82,7 +82,7 @@ pub(super) fn set_tracks(
     })
 }
 
-/// The longest time that a servo scattering epochs back, s.
+/// Longest look-back (lag) of a servo, s.
 fn servo_lag_s(scene: &Scene) -> f64 {
     let pointings = scene.radar.transmitters.iter().map(|t| &t.antenna.pointing);
     pointings

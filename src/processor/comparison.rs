@@ -82,7 +82,7 @@ pub struct Target {
     pub curves: [Vec<[f64; 2]>; 3],
 }
 
-/// How a point looks by reported navigation beside true navigation.
+/// How a point looks by reported navigation compared with true navigation.
 #[derive(Clone, Debug, Serialize)]
 pub struct Figures {
     /// Loss of the peak, dB.

@@ -7,7 +7,7 @@
 //! | [`taper`] | weights over a band or an aperture |
 //! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
 //! | [`point_target`] | what an image makes of a point: width, side lobes, place |
-//! | [`degradation`] | what wrong navigation makes of a point: predicted from the paths, closed forms |
+//! | [`degradation`] | what navigation errors do to a point: predicted from the paths, closed forms |
 //! | [`multilook`] | means of power, percentiles |
 
 pub mod taper;

@@ -8,18 +8,18 @@
 //! ```
 //!
 //! `grad tau` the gradient of the bistatic delay along the plane (`(u_T + u_R)/c` projected), cycles per
-//! metre; `M` pulses, those that the point takes through the gate of the aperture. `b_1` and `b_2` need not
-//! be perpendicular. So the cut **in range** runs along the line of equal Doppler (across `b_2`), the cut
-//! **in cross-range** along the line of equal delay (across `b_1`): each is one sinc. Half-power width
-//! `0.8859 / |b . e|` along the cut `e` (of a taper: [`Taper::width`]), highest side lobe -13.26 dB, a cell
-//! is `1 / |b . e|`.
+//! metre; `M` pulses, those that the point takes with the Doppler weights of the aperture. `b_1` and `b_2`
+//! need not be perpendicular. So the cut **in range** runs along the line of equal Doppler (across `b_2`),
+//! the cut **in cross-range** along the line of equal delay (across `b_1`): each is one sinc. Half-power
+//! width `0.8859 / |b . e|` along the cut `e` (of a taper: [`Taper::width`]), highest side lobe -13.26 dB, a
+//! cell is `1 / |b . e|`.
 //!
 //! Limits: apertures and relative bandwidths small enough that the support is a parallelogram (its curvature
 //! moves cells by `f0 B^-1 theta^2/8`, theta the angle that the aperture spans); gain equal over the
 //! aperture.
 //!
 //! The image is not interpolated: the peak is sought on a fine grid, then both cuts are back-projected at 32
-//! points a cell.
+//! points per cell.
 //!
 //! | figure | what |
 //! | --- | --- |

@@ -24,7 +24,7 @@
 //!
 //! ```
 //! use nereus::processor::range_compress::{interpolation_error_db, oversampling};
-//! // 60 MHz at 100 MHz: 16 cells a sample reach -60 dB.
+//! // 60 MHz at 100 MHz: 16 cells per sample reach -60 dB.
 //! assert_eq!(oversampling(60e6, 100e6, -60.0), 16);
 //! assert!(interpolation_error_db(60e6, 16.0 * 100e6) < -64.9);
 //! ```
@@ -115,7 +115,7 @@ pub struct Compressor {
 /// What a pulse looks like.
 #[derive(Clone, Copy, Debug)]
 pub struct PulseShape<'a> {
-    /// As transmitted and filtered by the receiver, from its start, one entry a sample.
+    /// As transmitted and filtered by the receiver, from its start, one entry per sample.
     pub replica: &'a [Complex32],
     /// Sample rate, Hz.
     pub sample_rate_hz: f64,

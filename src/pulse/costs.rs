@@ -3,7 +3,7 @@
 //! A stopwatch that always runs and is read between stages: [`Costs::begin`] starts it, [`Costs::lap`] gives
 //! the time since the last reading to a stage. So no time is counted twice and the stages add up to the
 //! whole, also where stages take turns within a pulse (tile by tile). Each worker has its own; [`Costs::add`]
-//! sums them. Nothing allocates. A reading takes some 30 ns: read once a tile, not once a facet.
+//! sums them. Nothing allocates. A reading takes some 30 ns: read once per tile, not once per facet.
 //!
 //! Seconds are those of one worker: with two workers at once, a run of 1 s has 2 s of them.
 //!

@@ -206,7 +206,7 @@ impl Receiver {
         self.receive_by(&[], spectrum, pulse, scratch)
     }
 
-    /// The same by clocks that are wrong, one for each channel; none: they are right.
+    /// The same with clock errors, one for each channel; none: ideal clocks.
     pub fn receive_by(
         &self,
         clocks: &[ChannelClock],

@@ -157,7 +157,7 @@ pub static DESCRIPTIONS: [Description; 34] = [
         Once("text", |header| !header.targets.is_empty())),
     row("truth/ships", ["ship", NONE, NONE, "names of the ships"],
         Once("text", |header| !header.ships.is_empty())),
-    row("truth/clocks", ["clock", NONE, NONE, "names of the antennas whose clocks are wrong"],
+    row("truth/clocks", ["clock", NONE, NONE, "names of the antennas whose clocks have errors"],
         Once("text", |header| !header.clocks.is_empty())),
     row("truth/pairs", ["pair", NONE, NONE, "transmitter and receiver of each pair"],
         Once("table", |header| !header.pairs.is_empty())),

@@ -120,7 +120,7 @@ pub struct Header {
     pub targets: Vec<String>,
     /// Ships, in the order of the truth record.
     pub ships: Vec<String>,
-    /// Antennas whose clocks are wrong, in the order of the truth record.
+    /// Antennas whose clocks have errors, in the order of the truth record.
     pub clocks: Vec<String>,
     /// Sizes of every pulse.
     pub layout: Layout,

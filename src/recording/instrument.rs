@@ -1,6 +1,6 @@
-//! What a processor of the samples needs to know of the radar beside its figures: waveform, receive filter,
-//! antennas, where they look. It is in every recording (attribute `instrument`, JSON) and on the wire, so
-//! that an image needs no scenario.
+//! What a processor of the samples needs to know of the radar apart from its figures: waveform, receive
+//! filter, antennas, where they look. It is in every recording (attribute `instrument`, JSON) and on the
+//! wire, so that an image needs no scenario.
 //!
 //! ```
 //! use nereus::recording::instrument::{Instrument, Look};
@@ -38,7 +38,7 @@ pub struct Instrument {
     pub antennas: Vec<AntennaRow>,
 }
 
-/// The transmitted baseband pulse, beside its bandwidth and length.
+/// The transmitted baseband pulse, apart from its bandwidth and length.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WaveformRow {
     /// `lfm` or `samples`.

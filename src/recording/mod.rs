@@ -5,7 +5,7 @@
 //!
 //! Some rows beyond those asked for are read of all columns but the samples, so that paths are known before
 //! the first and after the last pulse of a part. Samples are read in blocks of rows, and only the channels
-//! asked for are kept: 8 bytes a sample.
+//! asked for are kept: 8 bytes per sample.
 //!
 //! Phase centres: `/nav/<antenna>/phase_centre_m` is the true one, `reported_phase_centre_m` what the
 //! platform's reports make of it with the lever arm as designed.

@@ -20,7 +20,7 @@ pub(super) trait Batch: Send + Sync {
     fn lane_kind(&self, table: &BraggTable) -> LaneKind;
     fn lane_tilts(&self) -> Vec<[f32; 3]>;
 
-    /// With waves beside those of the wind: facet, wave vector on the axes of the wind.
+    /// With waves besides those of the wind: facet, wave vector on the axes of the wind.
     fn scatter_beside(
         &self,
         facets: &Facets,

@@ -113,7 +113,7 @@ impl Facets<'_> {
         self.scatter_beside(sea, phases, |_, _, _| 0.0, out)
     }
 
-    /// The same with waves beside those of the wind: `beside(i, kx, ky)` is their symmetrised spectrum on
+    /// The same with waves besides those of the wind: `beside(i, kx, ky)` is their symmetrised spectrum on
     /// facet `i`, m^4, at a wave vector on the axes of the medium.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Modulation of short waves as facets have it: by the waves of the map, and by those between map and cut.
+//! Modulation of short waves as facets have it: by the waves of the map, and by those between map and cutoff.
 //!
 //! Waves of the map give each facet a factor of its own ([`Strength`](crate::sea::surface::modulation)).
 //! Waves between the map and `K_cut` are tilts within the facet, which are rougher where they lean downwind.

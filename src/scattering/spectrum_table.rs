@@ -62,7 +62,7 @@ pub struct SpectrumTable<F> {
 }
 
 impl<F: Fn(f64, f64) -> f64> SpectrumTable<F> {
-    /// Tabulates what facets can ask of a Bragg spectrum: from half an octave below the cut (without one,
+    /// Tabulates what facets can ask of a Bragg spectrum: from half an octave below the cutoff (without one,
     /// from `k/1000`) to `2k`, `k` the radar wave number, rad/m.
     pub fn for_bragg(psi: F, wavenumber_radpm: f64, cut_radpm: Option<f64>) -> Self {
         let to = 2.0 * wavenumber_radpm;
@@ -93,7 +93,7 @@ impl<F: Fn(f64, f64) -> f64> SpectrumTable<F> {
         table
     }
 
-    /// Harmonics kept beside the mean.
+    /// Harmonics kept in addition to the mean.
     pub fn harmonics(&self) -> usize {
         self.harmonics
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// `H(K)`: 0 below the octave centred on the cut, 1 above it, a raised cosine in `log K` between.
+/// `H(K)`: 0 below the octave centred on the cutoff, 1 above it, a raised cosine in `log K` between.
 ///
 /// ```
 /// use nereus::scattering::splitting::high_pass;

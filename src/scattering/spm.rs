@@ -28,7 +28,7 @@
 //! rotated from the facet's bases into those of the vertical.
 //!
 //! Sources: Ulaby, Moore, Fung 1982; Valenzuela, Boundary-Layer Met. 13, 61 (1978).
-//! Limits: heights above the cut well below the wavelength, slopes small; first order has no
+//! Limits: heights above the cutoff well below the wavelength, slopes small; first order has no
 //! cross-polarised backscatter of an untilted facet.
 //!
 //! ```

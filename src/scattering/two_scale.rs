@@ -83,7 +83,7 @@ const LEAST_SPECULAR: f64 = 1e-12;
 pub struct Settings {
     /// How waves are shared.
     pub splitting: Splitting,
-    /// `K_cut`, rad/m; `None` for `max(K_max, k/3)` (`Consistent`) or no cut at all (`Mars2007`).
+    /// `K_cut`, rad/m; `None` for `max(K_max, k/3)` (`Consistent`) or no cutoff at all (`Mars2007`).
     pub cut_radpm: Option<f64>,
     /// Whether the Bragg part averages over nine sub-facet tilts (`Consistent` only: the paper's slope
     /// density already holds the tilts of the height map).
@@ -285,7 +285,7 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         if self.averages_tilts() { [s.up, s.cross] } else { [0.0; 2] }
     }
 
-    /// `K_cut`, rad/m, if there is a cut.
+    /// `K_cut`, rad/m, if there is a cutoff.
     pub fn cut_radpm(&self) -> Option<f64> {
         self.cut_radpm
     }
@@ -325,7 +325,7 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
     }
 
     /// Spectrum that scatters by Bragg, at a wave vector on the local axes, on a facet covered to `cover`,
-    /// m^4, with waves beside those of the wind, of a spectrum of their own; the kind of cover damps both.
+    /// m^4, with waves besides those of the wind, of a spectrum of their own; the kind of cover damps both.
     #[inline]
     fn raised_spectrum(&self, kx: f64, ky: f64, cover: f64, beside: impl Fn(f64, f64) -> f64) -> f64 {
         let magnitude = (kx * kx + ky * ky).sqrt();
@@ -346,7 +346,7 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         self.response_beside(path, slopes, cover, |_, _| 0.0)
     }
 
-    /// [`Self::response`] with waves beside those of the wind, as [`Self::visit_beside`] has them.
+    /// [`Self::response`] with waves besides those of the wind, as [`Self::visit_beside`] has them.
     pub fn response_beside(
         &self,
         path: &Path,
@@ -375,7 +375,7 @@ impl<K: Kind, F: Fn(f64, f64) -> f64> TwoScale<K, F> {
         self.visit_beside(path, slopes, cover, |_, _| 0.0, each);
     }
 
-    /// [`Self::visit`] with waves beside those of the wind that scatter by Bragg: their symmetrised spectrum
+    /// [`Self::visit`] with waves besides those of the wind that scatter by Bragg: their symmetrised spectrum
     /// at a wave vector on the local axes, m^4.
     #[inline]
     pub fn visit_beside(

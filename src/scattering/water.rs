@@ -4,7 +4,7 @@
 //! ships. A facet belongs to the slick or strip that covers most of its centre (the first of equals), to the
 //! share it covers; where none does, it is clean.
 //!
-//! Beside the waves of the wind those of ships may scatter that the map leaves out
+//! Besides the waves of the wind those of ships may scatter that the map leaves out
 //! ([`short_waves`](crate::sea::wake::short_waves)): where the facet is, which way its Bragg wave runs,
 //! decides.
 //!
@@ -322,7 +322,7 @@ impl WaterScattering {
     /// it.
     fn bragg_table(&self) -> BraggTable {
         let table = self.kinds[0].bragg_table();
-        // Half an octave below the cut the high pass is closed.
+        // Half an octave below the cutoff the high pass is closed.
         let lowest_radpm = self.cut_radpm.map_or(0.0, |cut| cut * std::f64::consts::FRAC_1_SQRT_2);
         if self.spectrum.smooth_from_rad_m() <= lowest_radpm
             && table.worst_relative_error() <= MOST_RELATIVE_ERROR

@@ -3,7 +3,7 @@
 //! A message is sent at every tick of a rate of its own, counted from the emission of pulse 0: it holds the
 //! state reported at the first pulse at or after the tick, and bears the emission time of that pulse. With
 //! `latency_s` it leaves with the first pulse emitted that much later, as from a receiver that thinks for a
-//! while. With a rate above the PRF there is one message a pulse.
+//! while. With a rate above the PRF there is one message per pulse.
 //!
 //! The sink does not wait for its port ([`Port`]). An [`Encoder`] of the modules above turns states into
 //! messages.

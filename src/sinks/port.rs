@@ -9,7 +9,7 @@
 //!
 //! A [`Port`] never waits: what the port does not take at once is held, up to 4096 bytes, and goes before the
 //! next message; a message for which there is no room is lost as a whole and counted, so nobody reads half of
-//! one. A port that vanishes is counted and opened again, at most twice a second; until then messages are
+//! one. A port that vanishes is counted and opened again, at most twice per second; until then messages are
 //! lost. A **file** that cannot be written (a full disk) is a fault, not a port that vanishes: it ends with
 //! the last whole message, and [`Port::fault`] is why.
 //!

@@ -260,7 +260,7 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
         Self { settings, schedule, layout, stop, status: None, view: None, sinks: Vec::new() }
     }
 
-    /// Sends progress to a bounded channel, about 10 times a second and once at the end.
+    /// Sends progress to a bounded channel, about 10 times per second and once at the end.
     pub fn status(&mut self, status: Sender<Status>) {
         self.status = Some(status);
     }

@@ -94,7 +94,7 @@ fn faults_go_to_standard_error_with_exit_2() {
         insta::allow_duplicates! {
             insta::assert_snapshot!(ended.stderr, @r#"
 error: bad.toml:10:10: radar.prf_hz: -222.0 is out of range; allowed: a number from 0.001 to 1e9 Hz
-bad.toml:16:16: radar.waveform.bandwidth_hz: 1.6e8 Hz is more than radar.sample_rate_hz holds; allowed: up to 1e8 Hz
+bad.toml:16:16: radar.waveform.bandwidth_hz: 1.6e8 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 1e8 Hz
 bad.toml:20:8: radar.window.samples: is missing; required: a whole number from 1 to 16777216
 bad.toml:21:1: radar.window.smaples: unknown key; did you mean samples?
 bad.toml: 4 faults
@@ -112,7 +112,7 @@ fn faults_of_settings_name_the_setting() {
     );
     assert_eq!(ended.code, 2);
     insta::assert_snapshot!(ended.stderr, @r#"
-error: --set: target.9.rcs_m2: leads to nothing: target has entries 0 to 1, not 9
+error: --set: target.9.rcs_m2: no such entry: target has entries 0 to 1, not 9
 --set: radar.prf: unknown key; did you mean prf_hz, in Hz?
 configs/coastal.toml: 2 faults
 "#);

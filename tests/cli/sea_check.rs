@@ -23,7 +23,7 @@ fn settings_are_reported_as_asked_and_as_set() {
         text.lines().find(|line| line.trim_start().starts_with(what)).map(str::to_owned).unwrap_or_default()
     };
     let text = check("5", &[]);
-    assert!(row(&text, "rounded").contains("scatter_pulses 4, asked 5 ("), "{text}");
+    assert!(row(&text, "rounded").contains("scatter_pulses 4, requested 5 ("), "{text}");
     let (keys, derived) = (row(&text, "settings"), row(&text, "derived"));
     for name in ["oversampling", "precision"] {
         assert!(!keys.contains(name) && derived.contains(name), "{name}: {text}");
@@ -50,7 +50,8 @@ fn an_error_that_is_not_kept_is_reported_as_predicted() {
         found.unwrap_or_else(|| panic!("{what}: {text}")).trim()
     };
     let error = row("error ");
-    let predicted = error.strip_suffix(" dB predicted, -60 asked").unwrap_or_else(|| panic!("{error}"));
+    let predicted =
+        error.strip_suffix(" dB predicted, -60 dB requested").unwrap_or_else(|| panic!("{error}"));
     assert!(predicted.parse::<f64>().unwrap() > -60.0, "{error}");
     assert_eq!(row("echo "), format!("fast: error against the reference {error}; settings below"));
     assert!(row("by cause").ends_with("dB; the dry run found less than their sum"), "{text}");

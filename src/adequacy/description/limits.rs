@@ -24,7 +24,10 @@ const NEVER: [(&str, &str); 11] = [
     ("pattern over frequency", "gain and phase are those of the carrier over the whole band"),
     ("blanking", "no T/R blanking: the receiver is open during transmission"),
     ("transmitter", "every pulse has the same amplitude and shape; no droop, no noise of its own"),
-    ("receiver errors", "no I/Q imbalance, offset, gain control or intermodulation; the ADC has no jitter"),
+    (
+        "receiver errors",
+        "no I/Q imbalance, offset, gain control or intermodulation; no aperture jitter of the ADC",
+    ),
     ("interference", "no other emitters, no jamming"),
 ];
 
@@ -69,7 +72,7 @@ pub(super) fn models(run: &Run, without: &mut Vec<Described>) {
     }
     without.push(described("refraction", refraction(run.scene.frame.earth())));
     if run.scene.radar.carrier_hz > DUCTED_FROM_HZ {
-        let how = "not known from air and sea: above 3 GHz it carries far beyond the horizon, and counts at grazing angles below 1 degree";
+        let how = "significant above 3 GHz at grazing angles below 1 degree, where it carries far beyond the horizon";
         without.push(described("evaporation duct", how));
     }
     let antennas = run.scene.radar.transmitters.iter().map(|tx| &tx.antenna);

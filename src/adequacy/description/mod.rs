@@ -59,7 +59,7 @@ pub fn models(run: &Run) -> Models {
     if radar.rain_mmph > 0.0 {
         let takes = attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph);
         let how = format!(
-            "{} mm/h on all of every path: {takes:.3} dB/km one way (ITU-R P.838-3, circular polarisation)",
+            "{} mm/h along the whole of every path: {takes:.3} dB/km one way (ITU-R P.838-3, circular polarisation)",
             radar.rain_mmph
         );
         with.push(described("rain", how));
@@ -80,7 +80,7 @@ pub fn models(run: &Run) -> Models {
             Fidelity::Reference => "the reference: every pulse from its own paths, f64".to_owned(),
             Fidelity::Fast(asked) => {
                 // What is predicted takes its place where the run can be planned.
-                format!("fast: error against the reference {} dB asked", asked.error_db)
+                format!("fast: error against the reference {} dB requested", asked.error_db)
             }
         },
     ));
@@ -102,7 +102,7 @@ pub fn models(run: &Run) -> Models {
             with.push(described(
                 "thermal noise",
                 format!(
-                    "noise figure {figure_db} dB: k T0 F B = {:.1} dBW a sample, in the noise bandwidth of the receive filter, \
+                    "noise figure {figure_db} dB: k T0 F B = {:.1} dBW per sample, in the noise bandwidth of the receive filter, \
                      {} MHz (0.875 of the sample rate)",
                     Decibels::from_power_ratio(noise_w).0,
                     neat(bandwidth_hz / 1e6)

@@ -132,13 +132,13 @@ fn sink_text(kind: &Kind) -> String {
             let last = to.map_or(0, |port| port + u32::from(settings.ports) - 1);
             match settings.messages {
                 Messages::Samples if settings.ports > 1 => {
-                    format!("ZeroMQ, samples at {} to port {last}, one a channel", settings.bind)
+                    format!("ZeroMQ, samples at {} to port {last}, one per channel", settings.bind)
                 }
                 Messages::Samples => format!("ZeroMQ, samples at {}", settings.bind),
                 Messages::Multipart => format!("ZeroMQ, multipart messages at {}", settings.bind),
             }
         }
-        Kind::Nav(nav) => format!("navigation to {}, {} a second", nav.device, nav.rate_hz),
+        Kind::Nav(nav) => format!("navigation to {}, {} per second", nav.device, nav.rate_hz),
         Kind::Null => "none (pulses are counted)".to_owned(),
     }
 }

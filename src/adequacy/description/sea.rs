@@ -68,7 +68,7 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
         without.push(described("modulation of Bragg waves", how));
     }
     let how = match sea.waves {
-        Waves::Linear => "sea.waves = \"linear\": crests as long as troughs, heights without skewness",
+        Waves::Linear => "sea.waves = \"linear\": crests and troughs symmetric, zero skewness",
         Waves::Choppy => {
             "sea.waves = \"choppy\": waves of ships stay linear, and shadows and breakers are found on linear waves"
         }
@@ -143,11 +143,11 @@ pub fn rows(adequacy: &Adequacy) -> Vec<Described> {
         ),
         _ => described("resolution cell", "range does not resolve the ground"),
     });
-    let share = 100.0 * adequacy.share_in_window;
-    rows.push(described(
-        "in the window",
-        format!("the receive window holds the full echo of at least {share:.0} % of the patch"),
-    ));
+    let part = match format!("{:.0}", 100.0 * adequacy.share_in_window).as_str() {
+        "100" => "the whole patch".to_owned(),
+        percent => format!("at least {percent} % of the patch"),
+    };
+    rows.push(described("in the window", format!("the receive window holds the full echo of {part}")));
     if let Some(edge_db) = adequacy.edge_db {
         rows.push(described(
             "edge of the patch",
@@ -288,7 +288,7 @@ fn scattering_text(scattering: &FacetScattering) -> String {
         text += ", skewed and peaked slopes (Gram-Charlier)";
     }
     text += match scattering.phases {
-        Phases::PolCoherent => "; a random phase for each mechanism",
+        Phases::PolCoherent => "; independent random phases of the Bragg and the specular part",
         Phases::Single => "; one random phase",
     };
     if let BraggWaves::Travelling { drift_share, drift_turn_rad } = scattering.bragg {
@@ -322,5 +322,6 @@ fn shadow_text(shadow: &Shadowing) -> String {
         Some(width_rad) => format!("soft edge of {width_rad} rad"),
         None => "soft edge, its width from the map".to_owned(),
     };
-    format!("{edge}, {} rays per facet, every {} ms", shadow.rays_per_facet, neat(1e3 * shadow.update_s))
+    let update_ms = (1e6 * shadow.update_s).round() / 1e3;
+    format!("{edge}, {} rays per facet, updated every {} ms", shadow.rays_per_facet, neat(update_ms))
 }

@@ -35,8 +35,8 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
     idle("heave, roll and pitch of ships", level, "motion = \"level\": they ride level", without);
     without.push(described(
         "ships otherwise",
-        "straight courses; no hull among the waves: it breaks and reflects none, and hides the sea behind it only \
-         where its mesh echoes",
+        "straight courses; hulls neither break nor reflect waves, and hide the sea behind them only \
+         where their mesh echoes",
     ));
 }
 

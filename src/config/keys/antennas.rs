@@ -6,12 +6,12 @@ tables! {
     transmitter "[[transmitter]]" "An antenna that radiates." {
         NAME "name", Name, Required, "Its name, unique among transmitters and receivers.";
         PLATFORM "platform", Name, Required, "The platform that carries it.";
-        POWER_W "power_w", above("W", 0.0, 1e12), Required, "Peak power per polarisation.";
+        POWER_W "power_w", above("W", 0.0, 1e12), Required, "Peak power per polarisation: two simultaneous ones radiate twice as much.";
         LEVER_ARM_M "lever_arm_m", vector("m", 3, 1e4), Zeros, "Phase centre: forward, starboard, down from the platform's reference.";
         ANTENNA "antenna", Section(&antenna::TABLE), Required, "Gain pattern.";
         POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
         CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
-        CLOCK "clock", Section(&clock::TABLE), Means("a clock that is right"), "What is wrong with its clock.";
+        CLOCK "clock", Section(&clock::TABLE), Means("an ideal clock"), "Errors of its clock.";
     }
     receiver "[[receiver]]" "An antenna that receives." {
         NAME "name", Name, Required, "Its name, unique among transmitters and receivers.";
@@ -20,7 +20,7 @@ tables! {
         ANTENNA "antenna", Section(&antenna::TABLE), Required, "Gain pattern.";
         POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
         CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
-        CLOCK "clock", Section(&clock::TABLE), Means("a clock that is right"), "What is wrong with its clock.";
+        CLOCK "clock", Section(&clock::TABLE), Means("an ideal clock"), "Errors of its clock.";
     }
     antenna "antenna = { ... } of [[transmitter]] and [[receiver]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
         KIND "kind", Choice(&["isotropic", "rectangle", "ellipse", "circle", "file"]), Required, "Kind of aperture; apertures are uniformly illuminated. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";
@@ -28,11 +28,11 @@ tables! {
         WIDTH_M "width_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full width.";
         HEIGHT_M "height_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full height.";
         DIAMETER_M "diameter_m", above("m", 0.0, 1e4), Required, "circle: diameter.";
-        PATH "path", File, Required, "file: CSV, columns az_deg,el_deg,gain_dbi[,phase_deg] on a regular grid.";
+        PATH "path", File, Required, "file: CSV, columns az_deg,el_deg,gain_dbi[,phase_deg] on a regular grid; azimuth positive to the left of the boresight (+y), elevation positive up.";
         FLOOR_DBI "floor_dbi", number("dBi", -400.0, 200.0), default(-60.0), "file: gain outside the grid.";
     }
-    clock "[transmitter.clock] and [receiver.clock]" "A clock that is wrong: its reading minus the time of the run. Delays and phases are those of the difference of both ends." {
-        SAME_AS "same_as", Name, Means("a clock of its own"), "The antenna, written above, whose clock it shares; other keys have no meaning then.";
+    clock "[transmitter.clock] and [receiver.clock]" "Clock error: reading minus the time of the run. Delays and phases are those of the difference of both ends." {
+        SAME_AS "same_as", Name, Means("a clock of its own"), "The antenna, written above, whose clock it shares; other keys are not allowed then.";
         OFFSET_S "offset_s", number("s", -1.0, 1.0), default(0.0), "Reading minus time at pulse 0.";
         DRIFT "drift", number("", -1e-3, 1e-3), default(0.0), "Fractional frequency at pulse 0: 1e-9 gains a nanosecond a second.";
         AGEING_PER_DAY "ageing_per_day", number("1/day", -1e-3, 1e-3), default(0.0), "Growth of the fractional frequency in a day.";
@@ -42,7 +42,7 @@ tables! {
     }
     pointing "pointing = { ... } of [[transmitter]] and [[receiver]]" "Where an antenna points." {
         KIND "kind", Choice(&["fixed", "at", "beside"]), Required, "Bolted to the body; servo on a point; servo on a point beside a platform.";
-        YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), default(0.0), "fixed: relative to the body, positive to starboard.";
+        YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), default(0.0), "fixed: relative to the body, positive to starboard (clockwise from above).";
         PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), default(0.0), "fixed: relative to the body, positive up.";
         ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), default(0.0), "fixed: about the boresight.";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "at: East, North, height above the sea, at pulse 0.";
@@ -54,7 +54,7 @@ tables! {
         ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
         AIM_FROM "aim_from", Choice(&["reported", "true"]), Word("reported"), "at, beside: which tracks the servo knows.";
         LAG_S "lag_s", number("s", 0.0, 100.0), default(0.0), "at, beside: the servo acts on what was known this long ago.";
-        BIAS_AZ_DEG "bias_az_deg", number("deg", -180.0, 180.0), default(0.0), "at, beside: constant misalignment about the antenna's z axis.";
-        BIAS_EL_DEG "bias_el_deg", number("deg", -90.0, 90.0), default(0.0), "at, beside: constant misalignment about the antenna's y axis.";
+        BIAS_AZ_DEG "bias_az_deg", number("deg", -180.0, 180.0), default(0.0), "at, beside: constant azimuth offset of the boresight, positive to the left (+y of the antenna), opposite to yaw_deg.";
+        BIAS_EL_DEG "bias_el_deg", number("deg", -90.0, 90.0), default(0.0), "at, beside: constant elevation offset of the boresight, positive up (+z of the antenna).";
     }
 }

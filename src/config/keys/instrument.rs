@@ -10,17 +10,17 @@ tables! {
         PRI_US "pri_us", Kind::Numbers { unit: "us", least: 1, most: MOST_PRI, min: 1e-3, max: 1e9 }, Means("prf_hz is given"), "Pulse repetition intervals, repeated in turn.";
         WAVEFORM "waveform", Section(&waveform::TABLE), Required, "What is radiated.";
         WINDOW "window", Section(&window::TABLE), Required, "When samples are taken.";
-        TX_POLARISATION "tx_polarisation", Choice(&["simultaneous", "alternating"]), Word("simultaneous"), "Whether all transmit polarisations leave with every pulse, or one after the other.";
+        TX_POLARISATION "tx_polarisation", Choice(&["simultaneous", "alternating"]), Word("simultaneous"), "Whether all transmit polarisations leave with every pulse (each with power_w, separated without leakage), or one after the other.";
         TX_SEQUENCE "tx_sequence", Words { least: 1, most: 256, entry: "H, V, R or L" }, Means("the transmit polarisations of the channels, in order of first use"), "Alternating: transmit polarisation of pulse 0, 1, ..., repeated.";
         CHANNELS "channels", Words { least: 1, most: 16, entry: "receive then transmit polarisation, each H, V, R or L" }, Means("[[radar.channel]] is given"), "Polarisation pairs recorded for every transmitter and receiver, e.g. [\"HH\", \"HV\", \"VH\", \"VV\"]. Exactly one of channels and [[radar.channel]].";
         CHANNEL "channel", Sections(&channel::TABLE), Means("channels is given"), "Channels, row by row.";
-        LOSSES_DB "losses_db", number("dB", 0.0, 300.0), default(0.0), "System losses; a gain belongs to the antennas.";
+        LOSSES_DB "losses_db", number("dB", 0.0, 300.0), default(0.0), "System losses of both ends, before the receiver's noise; a gain belongs to the antennas.";
         ATMOSPHERE_DB_PER_KM "atmosphere_db_per_km", number("dB/km", 0.0, 1000.0), default(0.0), "Atmospheric attenuation, one way.";
-        RAIN_MMPH "rain_mmph", number("mm/h", 0.0, 300.0), default(0.0), "Rain on all of every path: attenuation by ITU-R P.838-3 (circular polarisation) besides atmosphere_db_per_km. Carriers from 1 GHz.";
+        RAIN_MMPH "rain_mmph", number("mm/h", 0.0, 300.0), default(0.0), "Rain along the whole of every path: attenuation by ITU-R P.838-3 (circular polarisation, for all ports) in addition to atmosphere_db_per_km. Carriers from 1 GHz.";
         RAIN_CLUTTER "rain_clutter", Kind::Flag, Flag(false), "Whether the drops return an echo: Rayleigh scattering of the reflectivity 200 R^1.6 (Marshall and Palmer), up to 20 GHz, in the main lobes of both antennas, from the window's own emission. Needs rain_mmph.";
         RAIN_TOP_M "rain_top_m", above("m", 0.0, 20e3), default(3000.0), "rain_clutter: height of the rain's top above the sea. Attenuation does not know it.";
         RAIN_SPREAD_MPS "rain_spread_mps", number("m/s", 0.0, 20.0), default(1.0), "rain_clutter: rms velocity of the drops, each component, about the wind at 10 m and their mean fall: turbulence, shear, unequal falls.";
-        NOISE_FIGURE_DB "noise_figure_db", number("dB", 0.0, 100.0), Means("a noiseless receiver"), "Receiver noise figure at 290 K.";
+        NOISE_FIGURE_DB "noise_figure_db", number("dB", 0.0, 100.0), Means("a noiseless receiver"), "Receiver noise figure F: noise of k T0 F per Hz, T0 = 290 K, which includes that of an antenna at T0.";
         ADC "adc", Section(&adc::TABLE), Means("floating-point samples"), "Analogue-to-digital converter.";
         CALIBRATION "calibration", Sections(&calibration::TABLE), Means("none"), "Channels with signals known in closed form, behind all others.";
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
@@ -52,7 +52,7 @@ tables! {
     }
     adc "[radar.adc]" "Analogue-to-digital converter: mid-rise, I and Q separately, saturating." {
         BITS "bits", count(1, 16), Required, "Bits.";
-        FULL_SCALE_DBW "full_scale_dbw", number("dBW", -400.0, 200.0), Required, "Full scale of I and of Q: 20 log10 of the amplitude in sqrt(W).";
+        FULL_SCALE_DBW "full_scale_dbw", number("dBW", -400.0, 200.0), Required, "Full scale of I and of Q: 20 log10 of the amplitude in sqrt(W). A tone of this power just fills I and Q.";
     }
     channel "[[radar.channel]]" "One recorded channel." {
         POLARISATION "polarisation", PolarisationPair, Required, "Receive then transmit polarisation, e.g. \"HV\".";

@@ -85,7 +85,7 @@ tables! {
         TRACK "track", Section(&track::TABLE), Required, "Where it is: drives delays, phases and gains.";
         REPORTED "reported", Section(&track::TABLE), Means("the true track is reported"), "Where it reports to be, in the same form.";
         ERRORS "errors", Section(&errors::TABLE), Means("none"), "Errors of its reports.";
-        TURBULENCE "turbulence", Section(&turbulence::TABLE), Means("still air"), "Gusts that it flies through: true motion beside its track.";
+        TURBULENCE "turbulence", Section(&turbulence::TABLE), Means("still air"), "Gusts that it flies through: true motion about its track.";
     }
     errors "[platform.errors]" "Known errors of what a platform reports: report minus truth. The same seed gives the same errors, in whole runs and in parts." {
         PRESET "preset", Choice(&["sps", "rtk", "tactical", "navigation"]), Means("no errors but those below"), "Class of navigation to start from: satellites, with carrier phase, aided tactical or navigation-grade inertial unit. The keys below stand above it.";
@@ -97,7 +97,7 @@ tables! {
         DROPOUTS "dropouts", Section(&dropouts::TABLE), Means("none"), "Reports that are lost for a while.";
         LEVER_ARM_ERROR_M "lever_arm_error_m", vector("m", 3, 1e4), Zeros, "Error of the lever arm: forward, starboard, down.";
         POSITION "position", Section(&error_m::TABLE), Means("that of the preset, or none"), "Errors of the position.";
-        VELOCITY "velocity", Section(&error_mps::TABLE), Means("that of the preset, or none"), "Errors of the velocity, beside the derivative of sinusoid and ramp of the position.";
+        VELOCITY "velocity", Section(&error_mps::TABLE), Means("that of the preset, or none"), "Errors of the velocity, in addition to the derivative of sinusoid and ramp of the position.";
         ATTITUDE "attitude", Section(&error_deg::TABLE), Means("that of the preset, or none"), "Errors of roll, pitch and heading.";
     }
     dropouts "[platform.errors.dropouts]" "Reports that are lost for a while: good reception and dropouts last for exponentially distributed times. Pulse 0 finds reception good." {
@@ -105,14 +105,14 @@ tables! {
         MEAN_S "mean_s", above("s", 0.0, 1e6), Required, "Mean length.";
         DURING "during", Choice(&["extrapolate", "hold"]), Word("extrapolate"), "What is reported meanwhile: the last report moved on with its velocity, or held.";
     }
-    turbulence "[platform.turbulence]" "Gusts of the Dryden model and an aircraft's answer. Exactly one of level and wind20_mps." {
+    turbulence "[platform.turbulence]" "Gusts of the Dryden model and an aircraft's response. Exactly one of level and wind20_mps." {
         LEVEL "level", Choice(&["light", "moderate", "severe"]), Means("wind20_mps is given"), "A wind of 15, 30 or 45 knots at 20 ft.";
         WIND20_MPS "wind20_mps", number("m/s", 0.0, 100.0), Means("level is given"), "Wind at 20 ft (6.1 m) above the sea.";
         HEIGHT_M "height_m", number("m", 0.0, 1e5), Means("that of the platform at pulse 0"), "Height above the sea for which gusts are taken.";
         AIRSPEED_MPS "airspeed_mps", number("m/s", 5.0, 1e4), Means("the speed of the platform at pulse 0"), "Speed at which gusts are met.";
-        CUTOFF_HZ "cutoff_hz", number("Hz", 0.05, 5.0), default(0.5), "Cut-off of the aircraft's answer: a low pass of second order.";
-        VELOCITY_GAIN "velocity_gain", number("", 0.0, 10.0), default(1.0), "Velocity of the aircraft over that of slow gusts.";
-        ATTITUDE_GAIN "attitude_gain", number("", 0.0, 10.0), default(1.0), "Angle by which the nose turns into slow gusts, over gust by airspeed.";
+        CUTOFF_HZ "cutoff_hz", number("Hz", 0.05, 5.0), default(0.5), "Cutoff of the aircraft's response: a low pass of second order.";
+        VELOCITY_GAIN "velocity_gain", number("", 0.0, 10.0), default(1.0), "Ratio of aircraft velocity to gust velocity at low frequency.";
+        ATTITUDE_GAIN "attitude_gain", number("", 0.0, 10.0), default(1.0), "Ratio of the angle by which the nose turns into the gust to gust velocity over airspeed, at low frequency.";
         TRACK_HOLD_S "track_hold_s", number("s", 0.0, 1e5), default(30.0), "Time in which it is steered back to its track; 0: it drifts.";
     }
     track "[platform.track] and [platform.reported]" "A trajectory." {
@@ -133,8 +133,8 @@ tables! {
         SMOOTHING "smoothing", Section(&smoothing::TABLE), Means("off"), "Recordings: how fixes become a smooth track.";
         ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Means("recorded where the fixes have it, otherwise coordinated_turn; `check` and `run` report which"), "Recordings, live: where the attitude comes from. coordinated_turn: derived from the motion, nose along the velocity, roll of a coordinated turn. level: the same with level wings. ADS-B and GGA carry none.";
         SOURCE "source", Kind::Origin, Required, "live: where its messages come from, NMEA 0183 and NovAtel INSPVAX: a serial port, somebody to connect to, an address to which a sender connects or sends datagrams, a file that is replayed in time.";
-        BAUD "baud", count(50, 4_000_000), Count(115_200), "live, serial port: bits a second.";
-        MAX_EXTRAPOLATION_S "max_extrapolation_s", above("s", 0.0, 86_400.0), default(1.0), "live: longest time after the last fix for which motion is extrapolated from it. Sentences come an epoch late: for a receiver of one epoch a second take 2.5.";
+        BAUD "baud", count(50, 4_000_000), Count(115_200), "live, serial port: bits per second.";
+        MAX_EXTRAPOLATION_S "max_extrapolation_s", above("s", 0.0, 86_400.0), default(1.0), "live: longest time after the last fix for which motion is extrapolated from it. Sentences come an epoch late: for a receiver of one epoch per second take 2.5.";
         TIMEOUT_S "timeout_s", number("s", 0.0, 86_400.0), default(30.0), "live: how long the begin of the run waits for navigation.";
         VEHICLE "vehicle", Choice(&["ship", "ground", "aircraft", "spacecraft"]), Word("aircraft"), "live: what carries the receiver. It sets the bounds of the plausibility gate: 40 m/s and 10 m/s^2 for a ship, 100 and 30 on the ground, 1000 and 100 in the air, 12000 and 100 in orbit.";
         MAX_SPEED_MPS "max_speed_mps", above("m/s", 0.0, FAST_MPS), Means("that of the vehicle"), "live: a fix that would need a higher speed is counted and refused.";

@@ -11,7 +11,7 @@ tables! {
         GAIN_PULSES "gain_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which antenna gains are found to the next.";
         PANEL_PULSES "panel_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which the panels of ships are evaluated to the next.";
         SIDELOBE_DB "sidelobe_db", number("dB", -400.0, 0.0), Means("chosen for error_db"), "fast: two-way gain below the peak of its antennas at which a tile of 16 x 16 facets is evaluated less often: paths and scattering at the ends of a block only (scattering in its middle, too, where facets turn away), gains at two thirds of the instants; -400: none is.";
-        KERNEL_WIDTH "kernel_width", count(4, 8), Means("chosen for error_db"), "fast: cells over which a path is spread; about 20 dB a cell.";
+        KERNEL_WIDTH "kernel_width", count(4, 8), Means("chosen for error_db"), "fast: cells over which a path is spread; about 20 dB per cell.";
         DOPPLER "doppler", Choice(&["mean", "shift", "taylor"]), Means("chosen for error_db"), "fast: Doppler within a pulse by its mean, by a shift of delay (linear sweeps), or to first order.";
     }
     stream "[stream]" "How pulses are released." {
@@ -37,11 +37,11 @@ tables! {
         MTU_BYTES "mtu_bytes", count(576, 65_535), Count(1500), "vita49: greatest IP packet; pulses are split to fit.";
         PROFILE "profile", Choice(&["nereus", "difi"]), Word("nereus"), "vita49: all packets of docs/wire.md, or those of DIFI (IEEE-ISTO 4900) alone: samples and contexts of each channel. difi needs radar.adc.";
         DEVICE "device", Output, Required, "nav: the path of a serial port or pseudo terminal, file:PATH, tcp://ADDRESS:PORT (somebody who listens there), or udp://ADDRESS:PORT.";
-        BAUD "baud", count(50, 4_000_000), Count(115_200), "nav, serial port: bits a second.";
+        BAUD "baud", count(50, 4_000_000), Count(115_200), "nav, serial port: bits per second.";
         PLATFORM "platform", Name, Means("the only platform"), "nav: the platform.";
         FORMAT "format", Choice(&["nmea", "inspvaxa", "inspvaxb"]), Word("nmea"), "nav: NMEA 0183; NovAtel INSPVAX, ASCII or binary.";
         SENTENCES "sentences", Words { least: 1, most: 7, entry: "GGA, RMC, VTG, HDT, ZDA, GST or PASHR" }, Means("[\"GGA\", \"RMC\"]"), "nav, nmea: sentences, in this order. Readers such as gpsd expect GGA, then RMC, and others behind.";
-        RATE_HZ "rate_hz", above("Hz", 0.0, 1000.0), default(5.0), "nav: messages a second, one a pulse at most.";
+        RATE_HZ "rate_hz", above("Hz", 0.0, 1000.0), default(5.0), "nav: messages per second, at most one per pulse.";
         LATENCY_S "latency_s", number("s", 0.0, 10.0), default(0.0), "nav: how much later than its emission time a message leaves, in emission time.";
         QUEUE_PULSES "queue_pulses", count(1, 1 << 20), Means("two seconds of pulses, at least 64, at most 65536 or 256 MiB"), "Pulses that may wait for this sink.";
     }

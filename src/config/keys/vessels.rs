@@ -23,7 +23,7 @@ tables! {
         MESH "mesh", Kind::Flag, Means("true unless the hull's file has scatterers"), "With echo: whether hull and superstructure return it by physical optics, panel by panel.";
         SUPERSTRUCTURE "superstructure", FileOr("none"), Means("\"none\""), "With a mesh: what stands on the hull, triangles of an .obj or .stl file in metres, x forward of midship, y to port, z up from the waterline; scaled with the hull.";
         FREEBOARD_M "freeboard_m", above("m", 0.0, 100.0), Means("a twentieth of the length"), "With a mesh: height of the deck above the waterline, up to which the sides of the hull rise.";
-        PANEL_M "panel_m", number("m", 0.05, 100.0), default(1.0), "With a mesh: longest edge of a panel; at most 100000 panels a ship.";
+        PANEL_M "panel_m", number("m", 0.05, 100.0), default(1.0), "With a mesh: longest edge of a panel; at most 100000 panels per ship.";
         MOTION "motion", Choice(&["level", "waves"]), Word("level"), "With a mesh: whether it rides level, or heaves, pitches and rolls with the waves of [sea] by the response of a box of its length, beam, draught and block coefficient.";
         ROLL_PERIOD_S "roll_period_s", number("s", 0.5, 60.0), Means("2 C B / sqrt(GM) with GM = 0.07 B and C = 0.373 + 0.023 B/T - 0.00043 L, 0.3 at least (beam B, draught T, length L in m)"), "motion = \"waves\": its natural period of roll.";
     }
@@ -43,6 +43,6 @@ tables! {
     turbulent "[ship.turbulent]" "The dark V behind a ship: width 4 B (x / 4 L)^(1/a) at a distance x from the stern, with length L and beam B." {
         SPREAD_EXPONENT "spread_exponent", number("", 4.0, 5.0), default(5.0), "Exponent a of the width.";
         DECAY_LENGTHS "decay_lengths", number("", 0.01, 1e4), default(20.0), "Distance over which the damping falls by a factor of e, in lengths of the ship.";
-        WIND_RATIO "wind_ratio", number("", 0.0, 1.0), default(0.4), "Wind that raises the small waves in the middle of the wake, over the wind outside.";
+        WIND_RATIO "wind_ratio", number("", 0.0, 1.0), default(0.4), "Ratio of the wind that raises the small waves in the middle of the wake to the wind outside.";
     }
 }

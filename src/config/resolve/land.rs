@@ -36,7 +36,7 @@ pub(super) fn land(root: &Section<'_>, carrier_hz: Option<f64>) -> Option<Option
     let terrain = section.choice(&TERRAIN);
     let gamma_db = section.number(&GAMMA_DB);
     if section.has(&GAMMA_DB) {
-        section.idle(&[&TERRAIN], "beside gamma_db");
+        section.idle(&[&TERRAIN], "together with gamma_db");
     }
     let sea_level_m = section.number(&SEA_LEVEL_M);
     let [hh_db, cross_db] = [&HH_OVER_VV_DB, &CROSS_OVER_VV_DB].map(|key| section.number(key));

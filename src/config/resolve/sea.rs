@@ -86,7 +86,7 @@ fn wind(section: &Section<'_>) -> Option<WindGiven> {
     let written = section.exactly_one(&[&WIND_USTAR_MPS, &WIND_MPS]);
     let (ustar_mps, speed_mps) = (section.number(&WIND_USTAR_MPS), section.number(&WIND_MPS));
     if section.has(&WIND_USTAR_MPS) {
-        section.idle(&[&WIND_HEIGHT_M], "beside wind_ustar_mps");
+        section.idle(&[&WIND_HEIGHT_M], "together with wind_ustar_mps");
     }
     let height_m = section.number(&WIND_HEIGHT_M);
     let profile = section.choice(&WIND_PROFILE);
@@ -209,7 +209,7 @@ fn waves(root: &Section<'_>, section: &Section<'_>, scattering: Option<&FacetSca
     if section.choice_or(&WAVES, if suits { "choppy" } else { "linear" })? == "linear" {
         return Some(Waves::Linear);
     }
-    section.idle(&[&DEPTH_M], "waves = \"choppy\": those of second order are known for deep water");
+    section.idle(&[&DEPTH_M], "waves = \"choppy\", which is for deep water only");
     if !moves {
         let error = "crests are sharp because facets follow the horizontal motion; allowed: waves = \"linear\", or \
                      scattering.displacement = true";
@@ -242,7 +242,7 @@ fn permittivity(section: &Section<'_>, carrier_hz: Option<f64>) -> Option<Permit
 fn realisation(section: &Section<'_>) -> Option<Realisation> {
     use keys::sea::{AVERAGING, STATE_PATH};
     if section.has(&STATE_PATH) {
-        section.idle(&[&AVERAGING], "beside state_path");
+        section.idle(&[&AVERAGING], "together with state_path");
         return section.file(&STATE_PATH).map(|path| Realisation::Saved { path });
     }
     section.file(&STATE_PATH);

@@ -35,7 +35,7 @@ fn slick(section: Section<'_>, name: Option<String>, patch: Option<&Patch>) -> O
     let centre_m = section.vector(&CENTRE_M);
     let corners_m = section.points(&CORNERS_M);
     if section.has(&CORNERS_M) && !section.has(&CENTRE_M) {
-        section.idle(&[&HALF_AXES_M, &DIRECTION_DEG], "beside corners_m");
+        section.idle(&[&HALF_AXES_M, &DIRECTION_DEG], "together with corners_m");
     }
     let shape = if section.has(&CENTRE_M) {
         let (half_axes_m, direction_deg) = (section.vector(&HALF_AXES_M), section.number(&DIRECTION_DEG));

@@ -135,7 +135,7 @@ ais.0.log: here/log.csv: 6 faults
   line 1: missing: Longitude_degrees
   line 1: missing: COG_degrees
   line 1: missing: SOG_knots
-ais.0.wake_bragg: has no meaning here (wake = false)
+ais.0.wake_bragg: not allowed here (wake = false)
 "#);
 }
 

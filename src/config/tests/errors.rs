@@ -69,9 +69,9 @@ fn a_truth_beside_the_track_must_be_smooth() {
     let table = "{ recorded = 'reported', preset = 'sps', velocity = { bias_mps = [1, 0, 0] }, \
                 position = { white_m = [1, 0, 0], gm_sigma_m = [1, 1, 1] } }";
     insta::assert_snapshot!(faults_of(&[("platform.1.errors", table)]), @r#"
-    platform.1.errors.preset: has no meaning here (recorded = "reported": give position and attitude)
-    platform.1.errors.position.white_m: has no meaning here (recorded = "reported": the truth must be smooth)
-    platform.1.errors.velocity: has no meaning here (recorded = "reported": the truth must be smooth)
+    platform.1.errors.preset: not allowed here (recorded = "reported": give position and attitude)
+    platform.1.errors.position.white_m: not allowed here (recorded = "reported": the truth must be smooth)
+    platform.1.errors.velocity: not allowed here (recorded = "reported": the truth must be smooth)
     "#);
     let run = errors("{ recorded = 'reported', position = { gm_sigma_m = [1, 1, 1] } }");
     assert!(run.nav[1].errors.as_ref().is_some_and(|model| model.check().is_ok()));
@@ -127,7 +127,7 @@ fn clocks_are_owned_or_shared() {
     ];
     insta::assert_snapshot!(faults_of(&list), @r#"
     transmitter.0.clock.same_as: there is no antenna with a clock of its own above "rx"; allowed: none are defined
-    receiver.0.clock.drift: has no meaning here (with same_as)
+    receiver.0.clock.drift: not allowed here (with same_as)
     receiver.0.clock.same_as: there is no antenna with a clock of its own above "tx"; allowed: none are defined
     "#);
 }

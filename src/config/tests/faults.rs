@@ -5,7 +5,7 @@ use crate::scene::target::Swerling;
 
 #[test]
 fn inconsistent_settings() {
-    insta::assert_snapshot!(faults_of(&[("radar.waveform.bandwidth_hz", "100.1e6")]), @r#"radar.waveform.bandwidth_hz: 1.001e8 Hz is more than radar.sample_rate_hz holds; allowed: up to 1e8 Hz"#);
+    insta::assert_snapshot!(faults_of(&[("radar.waveform.bandwidth_hz", "100.1e6")]), @r#"radar.waveform.bandwidth_hz: 1.001e8 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 1e8 Hz"#);
     insta::assert_snapshot!(faults_of(&[("radar.window.samples", "33")]), @r#"radar.window.samples: 33 samples (3.3e-7 s) are shorter than the pulse (3.33e-7 s); allowed: at least 34"#);
     assert!(coastal_with(&[("radar.window.samples", "34")]).is_ok());
     insta::assert_snapshot!(faults_of(&[("radar.pri_us", "[1000, 2000]")]), @r#"radar.pri_us: prf_hz, pri_us exclude each other; allowed: one of them"#);
@@ -36,7 +36,7 @@ radar.tx_sequence: channel "VH" needs transmit polarisation H, which tx_sequence
     insta::assert_snapshot!(faults_of(&[("target.0", "{ lat_deg = 1, lon_deg = 2, rcs_m2 = 1 }")]), @r#"target.0.lat_deg: a geodetic position needs scene.origin_lat_deg, origin_lon_deg and origin_h_m; allowed here: position_m"#);
     insta::assert_snapshot!(faults_of(&[("scene.origin_lat_deg", "50"), ("scene.earth_radius_factor", "1.33")]), @r#"
 scene.origin_lat_deg: stands alone; allowed: origin_lat_deg, origin_lon_deg, origin_h_m together, or none of them
-scene.earth_radius_factor: has no meaning here (the earth is flat)
+scene.earth_radius_factor: not allowed here (the earth is flat)
 "#);
     insta::assert_snapshot!(faults_of(&[("radar.window.samples", "16777216"), ("radar.channels", "['HH','HV','VH','VV','RR','RL','LR','LL','HR']")]), @r#"radar.window: one pulse takes 1207959552 bytes (9 channels of 16777216 samples); allowed: at most 16777216"#);
     insta::assert_snapshot!(faults_of(&[("target_grid", "[{ position_m = [0,0,0], count = [1000, 1000], spacing_m = [1, 1], rcs_m2 = 1 }]")]), @r#"target_grid.0.count: 1000002 targets; allowed: at most 100000"#);
@@ -48,28 +48,28 @@ platform.1.track.datum: is missing; required: "ellipsoid", "msl", "barometric"
 "#);
     insta::assert_snapshot!(faults_of(&[("platform.0.track.yaw", "3"), ("platform.0.track.velocity_mps", "[1,2,3]")]), @r#"
 platform.0.track.yaw: unknown key; did you mean yaw_deg, in deg?
-platform.0.track.velocity_mps: has no meaning here (kind = "fixed")
+platform.0.track.velocity_mps: not allowed here (kind = "fixed")
 "#);
     insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'plain', path = 'x' }, { kind = 'plain', path = 'x' }]")]), @r#"sink.1.path: "x" is already the name of another sink; allowed: unique names"#);
     insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'vita49', address = 'receiver', bind = '127.0.0.1:0', mtu_bytes = 500, path = 'x' }]")]), @r#"
 sink.0.address: "receiver" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
 sink.0.mtu_bytes: 500 is out of range; allowed: a whole number from 576 to 65535
 sink.0.bind: "127.0.0.1:0" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
-sink.0.path: has no meaning here (kind = "vita49")
+sink.0.path: not allowed here (kind = "vita49")
 "#);
     insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'zmq', bind = 'x', messages = 'sample', buffer_pulses = 0, address = 'x' }]")]), @r#"
 sink.0.bind: "x" is not allowed; allowed: host:port with a port from 1 to 65535, such as "127.0.0.1:4991" or "[::1]:4991"
 sink.0.messages: "sample" is not allowed; allowed: "samples", "multipart"
 sink.0.buffer_pulses: 0 is out of range; allowed: a whole number from 1 to 65536
-sink.0.address: has no meaning here (kind = "zmq")
+sink.0.address: not allowed here (kind = "zmq")
 "#);
     insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'zmq', bind = '127.0.0.1:65533' }, { kind = 'zmqq' }, { kind = 'shm', service = 'a/b', subscribers = 0, subscriber = 2, bind = 'x' }]")]), @r#"
-sink.0.bind: "127.0.0.1:65533" is the first of 4 ports, one a channel; allowed: a first port of at most 65532
+sink.0.bind: "127.0.0.1:65533" is the first of 4 ports, one per channel; allowed: a first port of at most 65532
 sink.1.kind: "zmqq" is not allowed; allowed: "hdf5", "plain", "crsd", "vita49", "shm", "zmq", "nav", "null"
 sink.2.service: "a/b" is not allowed; allowed: a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'
 sink.2.subscribers: 0 is out of range; allowed: a whole number from 1 to 64
 sink.2.subscriber: unknown key; did you mean subscribers?
-sink.2.bind: has no meaning here (kind = "shm")
+sink.2.bind: not allowed here (kind = "shm")
 "#);
     insta::assert_snapshot!(faults_of(&[("platform", "[]"), ("sink", "3"), ("stream", "'fast'")]), @r#"
 transmitter.0.platform: there is no platform "coast"; allowed: none are defined
@@ -85,9 +85,9 @@ transmitter.0.name: ".." is not allowed; allowed: a name of 1 to 64 letters, dig
 receiver.0.name: "a/b" is not allowed; allowed: a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'
 "#);
     insta::assert_snapshot!(faults_of(&[("", "1"), ("a..b", "2"), ("scene.seed.x", "1"), ("scene.seed", "-1")]), @r#"
-leads to nothing: a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+
-a..b: leads to nothing: a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+
-scene.seed.x: leads to nothing: scene.seed is not a table
+no such entry: a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+
+a..b: no such entry: a key is names joined by dots, such as radar.prf_hz, target.0.rcs_m2 or sink.+
+scene.seed.x: no such entry: scene.seed is not a table
 scene.seed: -1 is out of range; allowed: a whole number from 0 to 2^64 - 1
 "#);
 }
@@ -99,9 +99,9 @@ target.1.swerling_scan_s: is missing; required: a number above 0, up to 1e7 s
 target.0.swerling: 5 is out of range; allowed: a whole number from 0 to 4
 "#);
     insta::assert_snapshot!(faults_of(&[("target.0.swerling", "2"), ("target.0.swerling_scan_s", "1"), ("target.1.swerling_scan_s", "0")]), @r#"
-target.0.swerling_scan_s: has no meaning here (only swerling 1 and 3 are constant over a scan)
+target.0.swerling_scan_s: not allowed here (only swerling 1 and 3 are constant over a scan)
 target.1.swerling_scan_s: 0 is out of range; allowed: a number above 0, up to 1e7 s
-target.1.swerling_scan_s: has no meaning here (only swerling 1 and 3 are constant over a scan)
+target.1.swerling_scan_s: not allowed here (only swerling 1 and 3 are constant over a scan)
 "#);
     let run = coastal_with(&[("target.0.swerling", "3"), ("target.0.swerling_scan_s", "0.5")]).unwrap();
     assert_eq!(run.scene.targets[0].swerling, Swerling::Case3 { scan_s: 0.5 });
@@ -112,8 +112,8 @@ target.1.swerling_scan_s: has no meaning here (only swerling 1 and 3 are constan
 fn aspects_of_targets() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
     insta::assert_snapshot!(faults_of(&[("target.1.heading_deg", "10"), ("target.0.rcs_floor_dbsm", "-20")]), @r#"
-target.0.rcs_floor_dbsm: has no meaning here (the target has no rcs_csv)
-target.1.heading_deg: has no meaning here (the target has no rcs_csv)
+target.0.rcs_floor_dbsm: not allowed here (the target has no rcs_csv)
+target.1.heading_deg: not allowed here (the target has no rcs_csv)
 "#);
     let table = format!("[{{ position_m = [0, 0, 0], rcs_csv = '{file}' }}]");
     insta::assert_snapshot!(faults_of(&[("target", &table)]), @"target.0.heading_deg: is missing; required: with rcs_csv, of a target at rest: a number from -360 to 360 deg");
@@ -126,9 +126,9 @@ target.1.heading_deg: has no meaning here (the target has no rcs_csv)
 #[test]
 fn targets_at_sea() {
     insta::assert_snapshot!(faults_of(&[("target.0.floating", "true"), ("target.1.waterline_m", "3"), ("target.1.multipath", "true")]), @r#"
-target.0.floating: has no meaning here (there is no [sea] to float on)
-target.1.waterline_m: has no meaning here (floating = false)
-target.1.multipath: has no meaning here (there is no [sea] that reflects)
+target.0.floating: not allowed here (there is no [sea] to float on)
+target.1.waterline_m: not allowed here (floating = false)
+target.1.multipath: not allowed here (there is no [sea] that reflects)
 "#);
     let target = "{ position_m = [0, 0, 1], velocity_mps = [0, 0, 1], rcs_m2 = 1, floating = true }";
     let sea = ("sea", "{ wind_mps = 8.0, wind_height_m = 10.0, wind_towards_deg = 0.0 }");
@@ -145,7 +145,7 @@ target.1.multipath: has no meaning here (there is no [sea] that reflects)
         "{ wind_mps = 8.0, wind_towards_deg = 0.0, waves = 'choppy', depth_m = 20, scattering = { displacement = false } }",
     );
     insta::assert_snapshot!(faults_of(&[patch[0], patch[1], choppy]), @r#"
-sea.depth_m: has no meaning here (waves = "choppy": those of second order are known for deep water)
+sea.depth_m: not allowed here (waves = "choppy", which is for deep water only)
 sea.waves: crests are sharp because facets follow the horizontal motion; allowed: waves = "linear", or scattering.displacement = true
 "#);
     let wrong = ("sea", "{ wind_mps = 8.0, wind_towards_deg = 0.0, waves = 'chopy' }");
@@ -215,8 +215,8 @@ scenes/bad.toml:10:10: radar.prf_hz: -222 is out of range; allowed: a number fro
 scenes/bad.toml:11:10: radar.pri_us: prf_hz, pri_us exclude each other; allowed: one of them
 scenes/bad.toml:12:12: radar.channels: ["HH", "XX"] is not allowed; allowed: a list of 1 to 16 texts, each receive then transmit polarisation, each H, V, R or L
 scenes/bad.toml:13:19: radar.noise_figure_db: nan is out of range; allowed: a number from 0 to 100 dB
-scenes/bad.toml:17:16: radar.waveform.bandwidth_hz: 6e7 Hz is more than radar.sample_rate_hz holds; allowed: up to 5e7 Hz
-scenes/bad.toml:19:1: radar.waveform.path: has no meaning here (kind = "lfm")
+scenes/bad.toml:17:16: radar.waveform.bandwidth_hz: 6e7 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 5e7 Hz
+scenes/bad.toml:19:1: radar.waveform.path: not allowed here (kind = "lfm")
 scenes/bad.toml:21:8: radar.window: one of start_us, follow is required
 scenes/bad.toml:22:11: radar.window.samples: 0 is out of range; allowed: a whole number from 1 to 16777216
 scenes/bad.toml:26:1: platform.0.track.h_m: is missing; required: a number from -11000 to 1e8 m

@@ -116,9 +116,9 @@ fn faults_of_live_navigation_are_reported_together() {
     platform.1.track.max_gap_s: 0 is out of range; allowed: a number above 0, up to 86400 s
     platform.1.track.timeout_s: -1 is out of range; allowed: a number from 0 to 86400 s
     platform.1.track.nominal.kind: "live" is not allowed as a nominal trajectory; allowed: a track that is known beforehand
-    platform.1.track.path: has no meaning here (kind = "live")
+    platform.1.track.path: not allowed here (kind = "live")
     platform.1.errors.recorded: "reported" is not allowed beside live navigation; allowed: "truth"
-    platform.1.turbulence: has no meaning here (the track is live: its air is real)
+    platform.1.turbulence: not allowed here (the track is live: its air is real)
     stream.pace: "fast" is not allowed beside live navigation; allowed: "realtime"
     stream.policy: "slip" is not allowed beside live navigation; allowed: "stop", "drop"
     "#);
@@ -131,8 +131,8 @@ fn faults_of_live_navigation_are_reported_together() {
     "#);
     // A track of another kind has none of its keys.
     insta::assert_snapshot!(faults(&[("platform.0.track.source", "/dev/ttyS0"), ("platform.0.track.baud", "9600")]), @r#"
-    platform.0.track.source: has no meaning here (kind = "fixed")
-    platform.0.track.baud: has no meaning here (kind = "fixed")
+    platform.0.track.source: not allowed here (kind = "fixed")
+    platform.0.track.baud: not allowed here (kind = "fixed")
     "#);
 }
 

@@ -56,12 +56,12 @@ fn faults_of_navigation() {
     sink.0.device: is missing; required: a path (relative to the working directory)
     sink.0.platform: is missing; required: a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'
     sink.0.format: "nmea2000" is not allowed; allowed: "nmea", "inspvaxa", "inspvaxb"
-    sink.0.path: has no meaning here (kind = "nav")
+    sink.0.path: not allowed here (kind = "nav")
     "#);
     insta::assert_snapshot!(faults(&[("platform.1.track", "{ kind = 'sbet', path = 'tracks/cart.inspvax' }")]), @"platform.1.track.gps_week: is missing; required: a whole number from 0 to 8191");
     insta::assert_snapshot!(faults(&[("platform.1.track", "{ kind = 'inspvax', path = 'tracks/cart.inspvax', datum = 'msl', gps_week = 1 }")]), @r#"
-    platform.1.track.datum: has no meaning here (kind = "inspvax")
-    platform.1.track.gps_week: has no meaning here (kind = "inspvax")
+    platform.1.track.datum: not allowed here (kind = "inspvax")
+    platform.1.track.gps_week: not allowed here (kind = "inspvax")
     "#);
     // In a scene that is not georeferenced; before, the track was refused only when all else was right, and
     // its datum after that.

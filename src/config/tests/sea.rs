@@ -280,9 +280,9 @@ fn a_patch_follows_what_the_receiver_looks_at_or_what_is_named() {
     insta::assert_snapshot!(faults(&[("scene.patch", "follow"), ("receiver.0.pointing", "{ kind = 'fixed' }")]), @r#"scene.patch_follow: is missing; required: a table [scene.patch_follow], as the first receiver aims at no point"#);
     insta::assert_snapshot!(faults(&[("scene.patch", "follow"), ("scene.patch_centre_m", "[1, 1]"), ("scene.patch_follow", "{ kind = 'beside', platform = 'ship', across_m = 1 }")]), @r#"
 scene.patch_follow.platform: there is no platform "ship"; allowed: aircraft
-scene.patch_centre_m: has no meaning here (patch = "follow")
+scene.patch_centre_m: not allowed here (patch = "follow")
 "#);
-    insta::assert_snapshot!(faults(&[("scene.patch_follow", beside)]), @r#"scene.patch_follow: has no meaning here (patch = "fixed")"#);
+    insta::assert_snapshot!(faults(&[("scene.patch_follow", beside)]), @r#"scene.patch_follow: not allowed here (patch = "fixed")"#);
 }
 
 #[test]
@@ -319,11 +319,11 @@ scene.patch_size_m: 1000000000 facets along y; allowed: at most 1048576
     let lost = SEA.replace("[sea]", "[sea_]").replace("[sea.shadow]", "[sea_.shadow]");
     let error = parse(&lost, Path::new("lost.toml"), &[]).unwrap_err();
     insta::assert_snapshot!(error.to_string(), @r#"
-lost.toml:8:1: scene.patch_size_m: has no meaning here (there is no [sea])
-lost.toml:9:1: scene.facet_m: has no meaning here (there is no [sea])
+lost.toml:8:1: scene.patch_size_m: not allowed here (there is no [sea])
+lost.toml:9:1: scene.facet_m: not allowed here (there is no [sea])
 lost.toml:11:2: sea_: unknown key; did you mean sea?
-lost.toml:19:3: swell: has no meaning here (there is no [sea])
-lost.toml:24:3: slick: has no meaning here (there is no [sea])
+lost.toml:19:3: swell: not allowed here (there is no [sea])
+lost.toml:24:3: slick: not allowed here (there is no [sea])
 lost.toml: 5 faults
 "#);
     let bare = SEA.replace("patch_size_m = [128.0, 128.0]", "").replace("facet_m = 1.0", "");
@@ -352,7 +352,7 @@ sea: one of wind_towards_deg, wind_from_deg is required
 "#);
     insta::assert_snapshot!(faults(&[("sea", "{ wind_ustar_mps = 3.1, wind_height_m = 10, wind_towards_deg = 0 }")]), @r#"
 sea.wind_ustar_mps: 3.1 is out of range; allowed: a number from 0 to 3 m/s
-sea.wind_height_m: has no meaning here (beside wind_ustar_mps)
+sea.wind_height_m: not allowed here (together with wind_ustar_mps)
 "#);
     insta::assert_snapshot!(faults(&[("sea", "7")]), @r#"sea: 7 is not allowed; allowed: a table [sea]"#);
     insta::assert_snapshot!(faults(&[("sea.temperature_c", "35"), ("sea.salinity_psu", "-1")]), @r#"
@@ -372,7 +372,7 @@ radar.prf_hz: -1 is out of range; allowed: a number from 0.001 to 1e9 Hz
     assert!(coastal_with(&[("radar.carrier_hz", "95e9")]).is_ok());
     insta::assert_snapshot!(faults(&[("sea.depth_m", "0"), ("sea.state_path", "nowhere.bin"), ("sea.averaging", "cells")]), @r#"
 sea.depth_m: 0 is out of range; allowed: a number from 0.1 to 100000 m
-sea.averaging: has no meaning here (beside state_path)
+sea.averaging: not allowed here (together with state_path)
 sea.state_path: there is no file configs/nowhere.bin; allowed: a file that exists (relative to the scenario file)
 "#);
     insta::assert_snapshot!(faults(&[("sea.scattering.cut_radpm", "0"), ("sea.scattering.decorrelation_ms", "-3"), ("sea.scattering.splitting", "mars"), ("sea.scattering.phase", "single")]), @r#"
@@ -383,17 +383,17 @@ sea.scattering.phase: unknown key; did you mean phases?
 "#);
     insta::assert_snapshot!(faults(&[("sea.scattering.bragg", "frozen"), ("sea.scattering.drift_share", "0.02"), ("sea.scattering.drift_deg", "200")]), @r#"
 sea.scattering.drift_deg: 200 is out of range; allowed: a number from -180 to 180 deg
-sea.scattering.drift_share: has no meaning here (bragg = "frozen")
-sea.scattering.drift_deg: has no meaning here (bragg = "frozen")
+sea.scattering.drift_share: not allowed here (bragg = "frozen")
+sea.scattering.drift_deg: not allowed here (bragg = "frozen")
 "#);
-    insta::assert_snapshot!(faults(&[("sea.scattering.bragg", "travelling"), ("sea.scattering.phases", "single")]), @r#"sea.scattering.bragg: has no meaning here (phases = "single": one phase for waves of both lines; set phases = "polcoherent")"#);
+    insta::assert_snapshot!(faults(&[("sea.scattering.bragg", "travelling"), ("sea.scattering.phases", "single")]), @r#"sea.scattering.bragg: not allowed here (phases = "single": one phase for waves of both lines; set phases = "polcoherent")"#);
     insta::assert_snapshot!(faults(&[("sea.scattering.modulation", "off"), ("sea.scattering.relaxation_per_s", "0")]), @r#"
 sea.scattering.relaxation_per_s: 0 is out of range; allowed: a number from 0.01 to 1000 1/s
-sea.scattering.relaxation_per_s: has no meaning here (modulation = "off")
+sea.scattering.relaxation_per_s: not allowed here (modulation = "off")
 "#);
-    insta::assert_snapshot!(faults(&[("sea.scattering.splitting", "mars2007"), ("sea.scattering.tilt_average", "true")]), @r#"sea.scattering.tilt_average: has no meaning here (splitting = "mars2007")"#);
+    insta::assert_snapshot!(faults(&[("sea.scattering.splitting", "mars2007"), ("sea.scattering.tilt_average", "true")]), @r#"sea.scattering.tilt_average: not allowed here (splitting = "mars2007")"#);
     insta::assert_snapshot!(faults(&[("sea.shadow.edge", "sharp"), ("sea.shadow.width_rad", "0.1"), ("sea.shadow.rays_per_facet", "0"), ("sea.shadow.update_ms", "0")]), @r#"
-sea.shadow.width_rad: has no meaning here (edge = "sharp")
+sea.shadow.width_rad: not allowed here (edge = "sharp")
 sea.shadow.rays_per_facet: 0 is out of range; allowed: a whole number from 1 to 64
 sea.shadow.update_ms: 0 is out of range; allowed: a number from 0.1 to 10000 ms
 "#);
@@ -402,27 +402,27 @@ sea.shadow.update_ms: 0 is out of range; allowed: a number from 0.1 to 10000 ms
 #[test]
 fn keys_of_another_spectrum() {
     insta::assert_snapshot!(faults(&[("sea.spectrum", "fung-lee"), ("sea.fetch_m", "1e5"), ("sea.spreading", "mitsuyasu")]), @r#"
-sea.fetch_m: has no meaning here (spectrum = "fung-lee")
-sea.spreading: has no meaning here (spectrum = "fung-lee")
+sea.fetch_m: not allowed here (spectrum = "fung-lee")
+sea.spreading: not allowed here (spectrum = "fung-lee")
 "#);
     insta::assert_snapshot!(faults(&[("sea.fetch_m", "1e5"), ("sea.inverse_wave_age", "2")]), @r#"sea.fetch_m: inverse_wave_age, fetch_m exclude each other; allowed: one of them"#);
     insta::assert_snapshot!(faults(&[("sea.fetch_m", "10"), ("sea.spreading_exponent", "2"), ("sea.spectrum_path", "README.md")]), @r#"
-sea.spectrum_path: has no meaning here (spectrum = "elfouhaily")
-sea.spreading_exponent: has no meaning here (spectrum = "elfouhaily")
+sea.spectrum_path: not allowed here (spectrum = "elfouhaily")
+sea.spreading_exponent: not allowed here (spectrum = "elfouhaily")
 sea.fetch_m: 10 is out of range; allowed: a number from 100 to 1e7 m
 "#);
     insta::assert_snapshot!(faults(&[("sea.spectrum", "jonswap"), ("sea.inverse_wave_age", "2"), ("sea.spreading_exponent", "2")]), @r#"
 sea.fetch_m: is missing; required: a number from 100 to 1e7 m
-sea.inverse_wave_age: has no meaning here (spectrum = "jonswap")
-sea.spreading_exponent: has no meaning here (spreading = "mitsuyasu")
+sea.inverse_wave_age: not allowed here (spectrum = "jonswap")
+sea.spreading_exponent: not allowed here (spreading = "mitsuyasu")
 "#);
     insta::assert_snapshot!(faults(&[("sea.spectrum", "pierson-moskowitz"), ("sea.fetch_m", "1e5"), ("sea.spreading", "constant")]), @r#"
 sea.spreading_exponent: is missing; required: a number from 0 to 1000
-sea.fetch_m: has no meaning here (spectrum = "pierson-moskowitz")
+sea.fetch_m: not allowed here (spectrum = "pierson-moskowitz")
 "#);
     insta::assert_snapshot!(faults(&[("sea.spectrum", "measured"), ("sea.inverse_wave_age", "1")]), @r#"
 sea.spectrum_path: is missing; required: a file that exists (relative to the scenario file)
-sea.inverse_wave_age: has no meaning here (spectrum = "measured")
+sea.inverse_wave_age: not allowed here (spectrum = "measured")
 "#);
     insta::assert_snapshot!(faults(&[("sea.spectrum", "measured"), ("sea.spectrum_path", "nowhere.csv")]), @r#"sea.spectrum_path: there is no file configs/nowhere.csv; allowed: a file that exists (relative to the scenario file)"#);
     insta::assert_snapshot!(faults(&[("sea.spectrum", "elfouhaly"), ("sea.fetch_m", "10"), ("sea.spreading_exponent", "-2")]), @r#"
@@ -439,12 +439,12 @@ swell.0.significant_height_m: 31 is out of range; allowed: a number from 0 to 30
 swell.0.peak_period_s: 0.5 is out of range; allowed: a number from 1 to 40 s
 swell.0: one of towards_deg, from_deg is required
 swell.0.spread_deg: 90 is out of range; allowed: a number from 3 to 80 deg
-swell.0.relative_width: has no meaning here (shape = "jonswap")
+swell.0.relative_width: not allowed here (shape = "jonswap")
 swell.0.peak_enhancement: is missing; required: a number from 1 to 50
 "#);
     insta::assert_snapshot!(faults(&[("swell.0.towards_deg", "10"), ("swell.0.peak_enhancement", "5"), ("swell.0.relative_width", "0.5")]), @r#"
 swell.0.from_deg: towards_deg, from_deg exclude each other; allowed: one of them
-swell.0.peak_enhancement: has no meaning here (shape = "gaussian")
+swell.0.peak_enhancement: not allowed here (shape = "gaussian")
 swell.0.relative_width: 0.5 is out of range; allowed: a number from 0.01 to 0.3
 "#);
     insta::assert_snapshot!(faults(&[("slick.0.corners_m", "[[0, 0], [1, 0], [0, 1]]"), ("slick.0.cover", "1.5")]), @r#"
@@ -453,7 +453,7 @@ slick.0.cover: 1.5 is out of range; allowed: a number from 0 to 1
 "#);
     insta::assert_snapshot!(faults(&[("slick", "[{ name = 'a', corners_m = [[0, 0], [1, 1]], half_axes_m = [1, 1], elasticity_npm = -1 }, { name = 'a', centre_m = [0, 0], half_axes_m = [0, 5], rim_m = -1 }, { }]")]), @r#"
 slick.0.corners_m: [[0, 0], [1, 1]] is not allowed; allowed: a list of 3 to 1000 pairs [x, y] from -1e8 to 1e8 m
-slick.0.half_axes_m: has no meaning here (beside corners_m)
+slick.0.half_axes_m: not allowed here (together with corners_m)
 slick.0.elasticity_npm: -1 is out of range; allowed: a number from 0 to 1 N/m
 slick.1.name: "a" is already the name of another slick; allowed: unique names
 slick.1.half_axes_m: entry 0, 0, is out of range; allowed: a list of 2 numbers from 0.001 to 1e8 m
@@ -588,7 +588,7 @@ fn land_needs_a_sea_and_one_gamma() {
         error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
     };
     let both = faults(&[("land", "{ dem = 'README.md', gamma_db = -12, terrain = 'urban' }")]);
-    assert!(both.contains("land.terrain") && both.contains("beside gamma_db"), "{both}");
+    assert!(both.contains("land.terrain") && both.contains("together with gamma_db"), "{both}");
     let rain = faults(&[("radar.carrier_hz", "400e6"), ("radar.rain_mmph", "5")]);
     assert!(rain.contains("radar.rain_mmph") && rain.contains("ITU-R P.838-3"), "{rain}");
 }

@@ -127,12 +127,12 @@ ship.0.hull: there is no file configs/no.toml; allowed: "wigley", or a file that
 ship.0.position_m: position_m and (lat_deg, lon_deg) exclude each other; allowed: one of them
 ship.0.heading_deg: 500 is out of range; allowed: a number from -360 to 360 deg
 ship.0.speed_mps: 101 is out of range; allowed: a number from 0 to 100 m/s
-ship.0.band_limit_radpm: has no meaning here (wake = false)
+ship.0.band_limit_radpm: not allowed here (wake = false)
 ship.0.turbulent: 3 is not allowed; allowed: a table [ship.turbulent], true or false
 ship.0.echo: "yes" is not allowed; allowed: true or false
 "#);
     insta::assert_snapshot!(faults("[{ name = 'a', hull = 'README.md', beam_m = 1, position_m = [0, 0], heading_deg = 0, speed_mps = 1, turbulent = { spread_exponent = 3, decay_lengths = 0, wind = 1 } }, { name = 'a', hull = 'wigley', beam_m = 0, draught_m = 1, position_m = [0, 0], heading = 0, towards_deg = 0, speed_mps = nan, band_limit_radpm = 0 }]"), @r#"
-ship.0.beam_m: has no meaning here (the hull is that of a file)
+ship.0.beam_m: not allowed here (the hull is that of a file)
 ship.0.turbulent.spread_exponent: 3 is out of range; allowed: a number from 4 to 5
 ship.0.turbulent.decay_lengths: 0 is out of range; allowed: a number from 0.01 to 10000
 ship.0.turbulent.wind: unknown key; allowed: spread_exponent, decay_lengths, wind_ratio
@@ -155,9 +155,9 @@ fn ships_ride_the_waves_where_it_is_asked() {
     assert_eq!(motion("echo = true, motion = 'waves'"), waves(None));
     assert_eq!(motion("echo = true, motion = 'waves', roll_period_s = 9"), waves(Some(9.0)));
     let with = |more: &str| faults(&format!("[{{ {WIGLEY}, {at}, {more} }}]"));
-    insta::assert_snapshot!(with("motion = 'waves'"), @"ship.0.motion: has no meaning here (echo = false)");
-    insta::assert_snapshot!(with("echo = true, mesh = false, motion = 'waves'"), @"ship.0.motion: has no meaning here (mesh = false)");
-    insta::assert_snapshot!(with("echo = true, roll_period_s = 9"), @r#"ship.0.roll_period_s: has no meaning here (motion = "level")"#);
+    insta::assert_snapshot!(with("motion = 'waves'"), @"ship.0.motion: not allowed here (echo = false)");
+    insta::assert_snapshot!(with("echo = true, mesh = false, motion = 'waves'"), @"ship.0.motion: not allowed here (mesh = false)");
+    insta::assert_snapshot!(with("echo = true, roll_period_s = 9"), @r#"ship.0.roll_period_s: not allowed here (motion = "level")"#);
     insta::assert_snapshot!(with("echo = true, motion = 'waves', roll_period_s = 0.4"), @"ship.0.roll_period_s: 0.4 is out of range; allowed: a number from 0.5 to 60 s");
     insta::assert_snapshot!(with("echo = true, motion = 'heave'"), @r#"ship.0.motion: "heave" is not allowed; allowed: "level", "waves""#);
     insta::assert_snapshot!(with("echo = true, motions = 'waves'"), @"ship.0.motions: unknown key; did you mean motion?");
@@ -166,7 +166,7 @@ fn ships_ride_the_waves_where_it_is_asked() {
 #[test]
 fn a_ship_needs_a_sea_and_its_patch() {
     let ship = "[{ hull = 'wigley', length_m = 1, beam_m = 0.1, draught_m = 0.1, position_m = [0, 0], heading_deg = 0, speed_mps = 1 }]";
-    insta::assert_snapshot!(faults_of(&[("ship", ship)]), @r#"ship: has no meaning here (there is no [sea])"#);
+    insta::assert_snapshot!(faults_of(&[("ship", ship)]), @r#"ship: not allowed here (there is no [sea])"#);
     let text = SEA.lines().filter(|line| !line.starts_with("facet_m")).collect::<Vec<_>>().join("\n");
     let error = parse(&text, &in_configs(), &settings(&[("ship", ship)])).unwrap_err();
     assert!(error.to_string().contains("scene.facet_m: is missing"), "{error}");

@@ -1,24 +1,27 @@
-//! Points along delay, and what they add up to.
+//! Upper bound on the error, and the power, of point scatterers along delay.
 //!
 //! Points keep their phases: two in one resolution cell may add up, or cancel, for a whole run. The **power**
-//! of a pulse is that of amplitudes with their phases, points within a cell of each other weighing
-//! `(1 - d^2)^2`, `d` in cells: nearly the `sinc` of a linear sweep. Of moduli `m_i`, of amplitudes or of
-//! errors, a pulse has at **most**
+//! of a pulse is the sum of amplitudes with their phases. Points within a cell of each other have the weight
+//! `(1 - d^2)^2`, `d` in cells: nearly the `sinc` of a linear sweep.
 //!
-//! `W = sum over i of m_i * sum over j of m_j` , `|tau_j - tau_i|` within [`REACH_CELLS`],
+//! The upper bound on the error (or power) of a pulse, of moduli `m_i`, is
 //!
-//! for what is left of a pulse lies at its ends and those of its band, and is alike over some cells (1.26
-//! cells apart two targets of equal Doppler off the mean had 2.6 dB more than their powers add up to), and
-//! where there is more than one point [`SIDE_LOBES`] times as much, for the range side lobes of others; but
-//! not more than points of random phases add up to at their worst, each cell with an exponential law
-//! ([`worst`](crate::fidelity::worst)), times the most that an echo of the run has over the sum of its
-//! powers: a plate flashes.
+//! `W = sum over i of m_i * sum over j of m_j` , `|tau_j - tau_i|` within [`REACH_CELLS`].
+//!
+//! * Sums go over some cells: the error of a pulse lies at its ends and at those of its band, and is alike
+//!   over some cells. Two targets of equal Doppler off the mean, 1.26 cells apart, had 2.6 dB more than the
+//!   sum of their powers.
+//! * Where there is more than one point, `W` is multiplied by [`SIDE_LOBES`], for the range side lobes of
+//!   others.
+//! * `W` is no more than points of random phases add up to at their worst, each cell with an exponential law
+//!   ([`worst`](crate::fidelity::worst)), times the largest ratio of an echo of the run to the sum of its
+//!   powers: a plate flashes.
 
 use num_complex::Complex64;
 
 use crate::fidelity::worst::worst_of;
 
-/// Points whose phases count in the power of a pulse: more have any.
+/// Most points whose phases count in the power of a pulse; of more, powers are added.
 const MOST_COHERENT: usize = 4096;
 /// The least that is left of points that cancel, of the sum of their powers.
 const LEAST_COHERENT: f64 = 1e-9;

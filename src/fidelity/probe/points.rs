@@ -2,24 +2,24 @@
 //!
 //! They are few, so they are followed themselves: at up to 65536 pulses spread over the run for their power,
 //! and in **stretches** of [`LONGEST`] successive pulses for what is left of them, all of the run where it is
-//! short, else those about the loudest pulses, and some spread over it. Of more than 1024 the loudest are
+//! short, else those about the strongest pulses, and some spread over it. Of more than 1024 the strongest are
 //! followed, for all.
 //!
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and
 //! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as
-//! they are drawn, and in what is left with the most that they return at any pulse. Targets that crests hide
-//! count likewise: as hidden as they are, and not at all. What land and ships hide is known beforehand: it
-//! counts as hidden as it is in both.
+//! they are drawn; in the error they count with the most that they return at any pulse. Targets that crests
+//! hide count likewise: in the power as hidden as they are, in the error as not hidden at all. What land and
+//! ships hide is known beforehand, and counts in both as it is.
 //!
-//! What lifts a target is a Gaussian process: the largest of `N` stretches of the run exceeds the largest of
-//! the `n` that are followed by about `sqrt(ln N / ln n)`, by which what is left of such targets is
-//! multiplied.
+//! The heave of a target is a Gaussian process: the largest of the `N` stretches of the run exceeds the
+//! largest of the `n` that are followed by a factor of about `sqrt(ln N / ln n)`. The error of such targets
+//! is multiplied by it.
 //!
-//! Panels of ships have nodes of their own, and gains that are found at every pulse: what cubics leave of
-//! them is what they leave of the amplitude without these, times gains and the share that is not hidden. It
-//! may be in phase with what is left of targets.
+//! Panels of ships have nodes of their own, and gains that are found at every pulse. Their error is that of
+//! the cubics through the amplitude without gains, times the gains and the fraction that is not hidden. It
+//! may be in phase with the error of targets.
 //!
-//! Limits: points that are loud for less than the pulses from one of the profile to the next may be missed.
+//! Limits: points that are strong for less than the interval between pulses of the profile may be missed.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -51,7 +51,7 @@ pub struct Points {
     pub power: Powers,
     /// Most of a pulse, W.
     pub highest: Powers,
-    /// The loudest pulse.
+    /// The strongest pulse.
     pub loudest: u64,
     /// Largest rate of a delay.
     pub fastest: f64,
@@ -102,7 +102,7 @@ pub(super) struct Stretch {
     most: Vec<Variation>,
 }
 
-/// What multiplies the steady amplitudes of points.
+/// What multiplies the steady (not fluctuating) amplitudes of points.
 struct Variation {
     /// `[point][pair]`; empty where nothing varies.
     of_points: Vec<f64>,
@@ -510,7 +510,7 @@ fn unseen(stretches: u64, pulses: u64) -> f64 {
     if all <= stretches { 1.0 } else { ((all as f64).ln() / (stretches.max(2) as f64).ln()).sqrt().max(1.0) }
 }
 
-/// First pulses of the stretches of a run; `loud` are pulses from the loudest on.
+/// First pulses of the stretches of a run; `strong` are pulses from the strongest on.
 fn stretches(pulses: u64, points: u64, loud: &[(f64, u64)]) -> Vec<u64> {
     let most = (MOST_FOLLOWED / (points * LONGEST)).clamp(*STRETCHES.start(), *STRETCHES.end());
     let all = pulses.div_ceil(LONGEST);

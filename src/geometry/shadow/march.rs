@@ -1,4 +1,4 @@
-//! A march from the terminal outward: the running horizon of a fan of rays, and the clearance of each facet
+//! A march from the antenna outward: the running horizon of a fan of rays, and the clearance of each facet
 //! above it.
 
 use crate::cpu::Task;
@@ -8,7 +8,7 @@ use crate::sea::surface::fields::Real;
 const BLEND: f64 = 1.0 / 16.0;
 /// Largest |lateral / forward| of a march: the far side of the blend.
 pub(super) const STEEPEST: f64 = (1.0 + BLEND) / (1.0 - BLEND);
-/// Rows nearer to the terminal than this, in facets, are taken to be under it.
+/// Rows nearer to the antenna than this, in facets, are taken to be under it.
 pub(super) const UNDER: f64 = 1e-9;
 /// Slack for points on the border of the map, in facets.
 const BORDER: f64 = 1e-9;
@@ -34,7 +34,7 @@ impl<T: Real, W: Fn(f64) -> f64> Task for March<'_, T, W> {
     }
 }
 
-/// The part of a map on one side of the terminal along one axis ("rows", from the terminal outward), as far
+/// The part of a map on one side of the antenna along one axis ("rows", from the antenna outward), as far
 /// as that axis is dominant. Lengths in facets.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sector {
@@ -44,9 +44,9 @@ pub(super) struct Sector {
     inward_first: bool,
     /// Nearest row, counted from the inner side.
     nearest: usize,
-    /// Column of the terminal.
+    /// Column of the antenna.
     column: f64,
-    /// Row of the terminal, counted from the map's first.
+    /// Row of the antenna, counted from the map's first.
     row: f64,
 }
 
@@ -54,7 +54,7 @@ impl Sector {
     /// `None` where the map has nothing of it.
     pub fn new(columns: usize, rows: usize, [column, row]: [f64; 2], inward_first: bool) -> Option<Self> {
         let under = if inward_first { row } else { (rows - 1) as f64 - row };
-        // One less than the row under the terminal, whichever way it was rounded; then the first one past it.
+        // One less than the row under the antenna, whichever way it was rounded; then the first one past it.
         let from = under.max(1.0) as usize - 1;
         let mut sector = Self { columns, rows, inward_first, nearest: from, column, row };
         sector.nearest = (from..rows).find(|&row| sector.forward(row) > UNDER)?;
@@ -73,7 +73,7 @@ impl Sector {
         (self.columns - 1) as f64
     }
 
-    /// Distance from the terminal along the axis.
+    /// Distance from the antenna along the axis.
     fn forward(&self, row: usize) -> f64 {
         if self.inward_first { row as f64 - self.row } else { self.row - (self.rows - 1 - row) as f64 }
     }
@@ -99,7 +99,7 @@ impl Sector {
         if forward >= lateral { share(forward, lateral) } else { 1.0 - share(lateral, forward) }
     }
 
-    /// From the terminal outward: facets of a row take the horizon of the rows before, then the rays of
+    /// From the antenna outward: facets of a row take the horizon of the rows before, then the rays of
     /// the fan take in this row. Adds results to `out`.
     #[inline(always)]
     fn march<T: Real>(
@@ -145,7 +145,7 @@ impl Sector {
             let shaded = if met.is_empty() {
                 in_sector.start..in_sector.start
             } else {
-                // Facets whose line to the terminal crosses the row before on the map.
+                // Facets whose line to the antenna crosses the row before on the map.
                 let before = forward - 1.0;
                 let left = -self.column / before - BORDER;
                 let right = last_column + (last_column - self.column) / before + BORDER;
@@ -178,13 +178,13 @@ impl Sector {
 /// One row of a march.
 struct Line<'a, T> {
     heights_m: &'a [T],
-    /// One over the distance from the terminal.
+    /// One over the distance from the antenna.
     inverse: f64,
     /// `z_T (1/u - 1/u_last)`, m per facet.
     offset: f64,
-    /// Distance from the terminal along the axis.
+    /// Distance from the antenna along the axis.
     forward: f64,
-    /// Column of the terminal.
+    /// Column of the antenna.
     column: f64,
 }
 

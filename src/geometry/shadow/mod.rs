@@ -1,11 +1,11 @@
-//! Visibility of facets from a terminal: who stands behind a wave.
+//! Visibility of facets from an antenna: who stands behind a wave.
 //!
 //! **Map.** Heights `z` (m, scene frame ENU) at facet centres of a regular grid, row by row, `[iy][ix]`. On a
 //! curved Earth the heights must already contain the drop of the mean surface; rays are straight. Water that
-//! is not on the map hides nothing: whether a far terminal has risen above the sea's horizon is for the
-//! caller to know, and facets at the map's edge towards the terminal have nothing before them.
+//! is not on the map hides nothing: whether a far antenna has risen above the sea's horizon is for the
+//! caller to know, and facets at the map's edge towards the antenna have nothing before them.
 //!
-//! **Clearance.** Let T be the terminal, P a facet centre, and Q the points in which the line P - T, seen
+//! **Clearance.** Let T be the antenna, P a facet centre, and Q the points in which the line P - T, seen
 //! from above, crosses the grid lines across its dominant axis, on the map and before P; heights at Q are
 //! interpolated linearly between the two centres of that grid line. With `u` the distance from T along the
 //! dominant axis,
@@ -38,11 +38,11 @@
 //! `(D/4 + g)/n`, `D` the largest second difference and `g` the largest step of the heights across the rays.
 //! (Not for rays that enter the map at its side, where one of the two may meet a row more than the other.)
 //! Where |dx| and |dy| differ by less than an eighth of their mean, marches along both axes are blended, so
-//! that a facet does not jump when the terminal passes its diagonal. Cost `O(n)` per facet; no memory is
+//! that a facet does not jump when the antenna passes its diagonal. Cost `O(n)` per facet; no memory is
 //! taken; the result depends on nothing but the arguments.
 //!
 //! **Limits.** No diffraction, no refraction other than by an Earth's radius put into the heights. Facets
-//! that face away from the terminal return nothing by their scattering, not here. Heights that are not finite
+//! that face away from the antenna return nothing by their scattering, not here. Heights that are not finite
 //! give weights of 0 and hide nothing or all, but never NaN.
 //!
 //! Source: `docs/physics.md` section 11.1 (binary rule of the MaRS paper, with a width).
@@ -80,13 +80,13 @@ pub const MAX_FACETS: usize = 1 << 28;
 pub const MAX_RAYS: usize = 64;
 /// Widest edge, rad (as a tangent).
 pub const WIDEST_RAD: f64 = 1e3;
-/// Largest coordinate of a terminal, m.
+/// Largest coordinate of an antenna, m.
 pub const FARTHEST_M: f64 = 1e12;
 
 /// Side of the tiles in which maps are transposed.
 const TILE: usize = 16;
 
-/// What is wrong with a map, a terminal or the settings.
+/// What is wrong with a map, an antenna or the settings.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowError {
@@ -328,7 +328,7 @@ impl Relief {
     }
 
     /// Whether every weight of such a map is certainly 1: the line of sight is nowhere flatter than the
-    /// steepest slope that falls away from the terminal, plus the width of the edge and what interpolation
+    /// steepest slope that falls away from the antenna, plus the width of the edge and what interpolation
     /// between rays may take. Of the map only the outline is read. Never true when a weight would be less
     /// than 1; where it is false, there may still be no shadow.
     ///
@@ -428,10 +428,10 @@ impl<T: Real> Shadow<T> {
         self.settings
     }
 
-    /// Visibility weights of all facets from a terminal, `[iy][ix]`, 0 to 1, into `out`.
+    /// Visibility weights of all facets from an antenna, `[iy][ix]`, 0 to 1, into `out`.
     ///
     /// # Errors
-    /// A map or an output of another size, a terminal out of range.
+    /// A map or an output of another size, an antenna out of range.
     pub fn weights(&mut self, map: &Map<T>, terminal: Point<Enu>, out: &mut [T]) -> Result<(), ShadowError> {
         let lift_m = LIFT * map.facet_m;
         let width_m = self.settings.width_rad() * map.facet_m;
@@ -449,7 +449,7 @@ impl<T: Real> Shadow<T> {
     }
 
     /// Clearances `c` of all facets, m, `[iy][ix]`, without the lift; infinite where nothing is between facet
-    /// and terminal. Where marches along both axes are blended, the blend of both clearances.
+    /// and antenna. Where marches along both axes are blended, the blend of both clearances.
     ///
     /// # Errors
     /// As [`Self::weights`].
@@ -501,7 +501,7 @@ impl<T: Real> Shadow<T> {
             }
             transpose(&self.turned, [ny, nx], out, |to, from| *to = *to + from);
         }
-        // The facet under the terminal belongs to no march.
+        // The facet under the antenna belongs to no march.
         if let (Some(ix), Some(iy)) = (under(x, nx), under(y, ny)) {
             out[iy * nx + ix] = T::round_from(weigh(f64::INFINITY));
         }

@@ -15,7 +15,8 @@
 //!
 //! `AXIS` is `position` or `velocity` with `.east`, `.north`, `.up`, or `attitude` with `.roll`, `.pitch`,
 //! `.heading`. With `b` the constant of the error model ([`crate::motion::errors`]), `S` the steps since the
-//! last `bias` or `clear`, and `r` the ramp, the error of an axis is, beside the other parts of the model,
+//! last `bias` or `clear`, and `r` the ramp, the error of an axis is, in addition to the other parts of the
+//! model,
 //!
 //! ```text
 //! e = (b, or the last bias) + S + r (t_k - t_r)     t_k: epoch of the report, t_r: when the ramp began; m, m/s, rad

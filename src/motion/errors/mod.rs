@@ -14,8 +14,8 @@
 //! and what is reported is `truth + e`, rounded to the quantisation. A bias may also be drawn once, N(0,
 //! sb^2). The velocity error holds the derivative of the known part of the position error (sinusoid and ramp;
 //! a step has none), as if the platform had really moved so. Noise of position and velocity is independent:
-//! receivers find the two from different observables. A wrong lever arm `l` (body) adds `C l` to the position
-//! and `w x C l` to the velocity.
+//! receivers find the two from different observables. An error `l` of the lever arm (body) adds `C l` to the
+//! position and `w x C l` to the velocity.
 //!
 //! Reports arrive `max(0, latency + jitter x)` after their epoch; their time stamps are right, so a jitter of
 //! arrival changes the age of what is at hand and nothing else. Dropouts are a Markov chain of two states in

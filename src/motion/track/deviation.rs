@@ -1,4 +1,4 @@
-//! Smooth motion beside a track: gusts, and the truth beside what an instrument reported.
+//! Smooth motion about a track: gusts, and the truth beside what an instrument reported.
 //!
 //! Six axes, East, North, up (m) and roll, pitch, heading (rad), each a chain of quintic segments
 //! ([`crate::motion::hermite`]) on nodes at equal steps that carry value, first and second derivative: C2, as
@@ -31,7 +31,7 @@ const WALK_STEP_S: f64 = 1.0;
 /// How long after the run nodes go on, s: more than any light time.
 const AFTER_S: f64 = 1.0;
 
-/// Motion beside a track.
+/// Motion about a track.
 #[derive(Clone, Debug)]
 pub(super) struct Deviation {
     start: TimeTag,

@@ -107,7 +107,7 @@ enum Kind {
         nodes: Arc<[Node]>,
         attitude: Attitude,
     },
-    /// Another track with motion beside it.
+    /// Another track with motion about it.
     Moved {
         base: Arc<Track>,
         by: Arc<Deviation>,

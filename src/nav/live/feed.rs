@@ -5,7 +5,7 @@
 //! there, somebody to connect to may come later. Dropping the feed ends the thread within 200 ms.
 //!
 //! * **Faults.** Garbage and half sentences are counted and passed over. A line that vanishes is counted and
-//!   opened again, at most twice a second; half a message before the break is dropped. Silence is silence:
+//!   opened again, at most twice per second; half a message before the break is dropped. Silence is silence:
 //!   nothing is reported.
 //! * **Time.** Fixes come with strictly increasing times. One that is not later than the one before is
 //!   counted and left (more than 5 s: as a step of the clock); a fix more than `max_gap_s` ahead is reported

@@ -1,7 +1,7 @@
 //! Lines on which navigation comes: serial ports and sockets, opened again when they vanish.
 //!
 //! A [`Line`] never waits longer than [`READ_TIMEOUT`] for bytes, so that whoever reads it can be stopped. A
-//! device that vanishes, a connection that ends, are opened again, at most twice a second. Of those who
+//! device that vanishes, a connection that ends, are opened again, at most twice per second. Of those who
 //! connect one is received, others are turned away; one that is silent because its machine is gone is noticed
 //! after some 10 s (TCP keep-alive).
 

@@ -22,10 +22,21 @@
 //! of [`crate::scattering::lanes`]. The patch is that of the block's first pulse, and kinds of surface are
 //! those at each node.
 //!
-//! **Errors** in f32, beside those of interpolation: directions 6e-8, hence gains `6e-8 pi a/lambda` (-88 dB
-//! at `a/lambda` = 133); heights of the surface, of which FFT in f32 leaves some 3e-7 of the rms: a phase of
-//! `3e-7 x 2 k cos(theta) x rms`. Antennas of measured pattern have complex gains, which stay with the
+//! **Errors** in f32, on top of those of interpolation: directions 6e-8, hence gains `6e-8 pi a/lambda` (-88
+//! dB at `a/lambda` = 133); heights of the surface, of which FFT in f32 leaves some 3e-7 of the rms: a phase
+//! of `3e-7 x 2 k cos(theta) x rms`. Antennas of measured pattern have complex gains, which stay with the
 //! amplitude.
+//!
+//! **Words** of this module and of `echo::synth`:
+//!
+//! | word | meaning |
+//! | --- | --- |
+//! | run | up to 16 facets of a row, one after the other in memory ([`runs`]); elsewhere that of the program |
+//! | place | index: of a facet in its tile, of a node in a block, of a path on the delay grid (in cells) |
+//! | share | a fraction; in `echo::synth::grid` the pulses of a block that one thread takes |
+//! | tier | mainlobe or sidelobe tile |
+//! | part, mechanism | the Bragg or the specular part of the scattering, each turned by a phasor of its own |
+//! | bin | a frequency of a transform |
 
 mod factor;
 mod gain;

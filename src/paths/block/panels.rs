@@ -32,7 +32,7 @@ pub struct PanelWork {
     seen: Vec<u32>,
     /// `[pair][node]`: directions.
     directions: Vec<Vec<Node>>,
-    /// Gains, and what is seen at both knots about a pulse.
+    /// Gains, and what is seen at both time samples about a pulse.
     rows: Box<[Row; 3]>,
     /// `[pair]`: what multiplies the amplitudes, `[pulse][path]`.
     factors: Vec<Vec<f32>>,

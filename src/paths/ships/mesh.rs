@@ -31,7 +31,7 @@ const MOST_OF_MEAN: usize = 512;
 #[derive(Clone, Default)]
 pub(in crate::paths) struct Sight {
     first: i64,
-    /// `[pulse]`: knot before it, from the first on, and how far it is from there to the next.
+    /// `[pulse]`: time sample before it, from the first on, and how far it is from there to the next.
     pulses: Vec<(usize, f64)>,
     /// `[knot][pair][element]`, words of bits.
     words: Vec<u64>,
@@ -41,7 +41,7 @@ pub(in crate::paths) struct Sight {
 }
 
 impl Sight {
-    /// Bits of a pair at a knot.
+    /// Bits of a pair at a time sample.
     fn bits(&self, knot: usize, pair: usize) -> &[u64] {
         let from = (knot * self.pairs + pair) * self.length;
         self.words.get(from..from + self.length).unwrap_or_default()
@@ -59,13 +59,13 @@ impl Sight {
         self.pulses[pulse]
     }
 
-    /// 1 where both antennas of a pair see an element at a knot.
+    /// 1 where both antennas of a pair see an element at a time sample.
     pub fn sees(&self, knot: usize, pair: usize, element: u32) -> f64 {
         let word = self.bits(knot, pair).get(element as usize / 64).copied().unwrap_or_default();
         f64::from((word >> (element % 64)) as u8 & 1)
     }
 
-    /// Numbers of the elements that any pair sees at any knot, ascending.
+    /// Numbers of the elements that any pair sees at any time sample, ascending.
     pub fn seen(&self, out: &mut Vec<u32>) {
         out.clear();
         for word in 0..self.length {
@@ -126,7 +126,7 @@ impl PathGenerator {
             (after, last) = (after.max(knot + 2), index);
             spans = (knot - *first) as f64 + share - about[0].1;
         }
-        // As many as any block of this length may have, wherever it begins between knots.
+        // As many as any block of this length may have, wherever it begins between time samples.
         words.reserve((spans.max(0.0).ceil() as usize + 3) * *pairs * *length);
         let (place, ends) = ((&self.frame, self.hills.as_deref()), &self.ends);
         let centre = |antenna: usize, time_s: f64| self.antenna_at(antenna, time_s);

@@ -176,12 +176,13 @@ impl Ships {
         }
     }
 
-    /// The knot of what is seen before a time after pulse 0, and how far it is from there to the next.
+    /// The time sample of what is seen before a time after pulse 0, and how far it is from there to the next.
     pub fn knot_before(elapsed_s: f64) -> (i64, f64) {
         Knots::before(elapsed_s)
     }
 
-    /// Appends what both antennas of every pair see at a knot: bits, `[pair][element]`, words of 64 elements.
+    /// Appends what both antennas of every pair see at a time sample: bits, `[pair][element]`, words of 64
+    /// elements.
     ///
     /// # Errors
     /// Those of `centre`.

@@ -5,7 +5,7 @@
 //! `m(t) = sum over K of Re 2 a(K) M(K) e^{j (K.x_0 - w_e t)}` , `w_e = w(K) - K.v` ,
 //!
 //! over the very waves of the facets, with the transfer functions `M` of [`crate::sea::seakeeping`]. It is
-//! summed at knots so close that the fastest of these waves turns by half a radian, with rates and
+//! summed at time samples so close that the fastest of these waves turns by half a radian, with rates and
 //! accelerations, and quintic Hermite in between (off by 4e-7 of a wave). Waves that move no point of the
 //! hull by more than [`LEAST`] of their height are left out.
 
@@ -201,14 +201,14 @@ mod tests {
         assert!(wanted[0].sqrt() > 0.1 && wanted[2].sqrt() > 0.01, "{wanted:?}");
     }
 
-    /// Rates are those of the values, between knots too; so is the sum itself.
+    /// Rates are those of the values, between time samples too; so is the sum itself.
     #[test]
     fn rates_are_those_of_the_values() {
         let surface = surface(5);
         let motion = Motion::of(&ship(waves()), Some(Seas { surface: &surface, last_s: 20.0 })).unwrap();
         assert!(motion.series.apart_s() <= 0.2);
         for n in 0..400 {
-            // Beyond the knots that are kept as well.
+            // Beyond the time samples that are kept as well.
             let (t, h) = (0.0731 * f64::from(n), 1e-4);
             let [before, now, after] = [t, t + h, t + 2.0 * h].map(|t| motion.at(t));
             let exact = motion.sum(t + h);

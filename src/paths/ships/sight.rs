@@ -1,8 +1,9 @@
-//! What of a ship antennas see past the ship itself and land, at knots of the run.
+//! What of a ship antennas see past the ship itself and land, at time samples of the run.
 //!
-//! Knots are [`EVERY_S`] apart. Antennas are taken straight on from the knot before (live navigation knows
-//! nothing later), so what is seen at a knot depends on nothing but the tracks up to the one before, and
-//! joins there. Every knot is found once, and the last ones are kept: a bit for each antenna and element.
+//! Time samples are [`EVERY_S`] apart. Antennas are taken straight on from the time sample before (live
+//! navigation knows nothing later), so what is seen at a time sample depends on nothing but the tracks up to
+//! the one before, and joins there. Every time sample is found once, and the last ones are kept: a bit for
+//! each antenna and element.
 
 use glam::DVec3;
 
@@ -44,7 +45,7 @@ impl Seen {
     }
 }
 
-/// What antennas see at the knots of a run.
+/// What antennas see at the time samples of a run.
 #[derive(Debug)]
 pub(super) struct Knots {
     antennas: usize,
@@ -65,19 +66,19 @@ impl Knots {
         Kept::new(if elements > 0 { KEPT } else { 0 }, || Seen::new(antennas, elements))
     }
 
-    /// The same knots, with nothing known.
+    /// The same time samples, with nothing known.
     pub fn renewed(&self) -> Self {
         Self { kept: Self::nothing(self.antennas, self.elements), ..*self }
     }
 
-    /// The knot before a time after pulse 0, and how far it is from there to the next.
+    /// The time sample before a time after pulse 0, and how far it is from there to the next.
     pub fn before(elapsed_s: f64) -> (i64, f64) {
         let at = (elapsed_s / EVERY_S).max(0.0);
-        // Runs are shorter than 2^53 knots.
+        // Runs are shorter than 2^53 time samples.
         (at.floor() as i64, at.fract())
     }
 
-    /// Hands over what is seen at a knot; `centre` is where an antenna is at a time after pulse 0.
+    /// Hands over what is seen at a time sample; `centre` is where an antenna is at a time after pulse 0.
     ///
     /// # Errors
     /// Those of `centre`.

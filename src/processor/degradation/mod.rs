@@ -1,4 +1,4 @@
-//! What wrong navigation makes of a point: predicted from the paths alone, without a sample, and measured.
+//! What navigation errors do to a point: predicted from the paths alone, without samples, and measured.
 //!
 //! A point whose echo comes by the true paths after `tau_m`, focused by the reported ones, is on the plane of
 //! the image
@@ -14,7 +14,7 @@
 //! * The place to look at is where the reported delays fit the true ones best ([`locate`]): errors of many
 //!   cells are no different from small ones.
 //! * Prediction and measurement go through one way ([`respond`]): the peak is sought within 6 cells of that
-//!   place, cuts run along the lines of equal Doppler and of equal delay, 32 points a cell, 10 cells to
+//!   place, cuts run along the lines of equal Doppler and of equal delay, 32 points per cell, 10 cells to
 //!   either side. Where the image is so broken that another lobe is as high, the two may choose differently.
 //! * [`PhaseTerms`] are the error over the aperture: its mean moves the point in range, the
 //!   slope in cross-range, the bend widens it.
@@ -88,7 +88,7 @@ pub struct CutShape {
     pub cell_m: f64,
     /// Highest lobes within 10 cells before and behind the main one.
     pub lobes: [Option<Lobe>; 2],
-    /// Power, 32 points a cell, 10 cells to either side of the peak.
+    /// Power, 32 points per cell, 10 cells to either side of the peak.
     pub power: Vec<f64>,
 }
 

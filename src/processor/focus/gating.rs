@@ -7,8 +7,8 @@ use crate::recording::ground::Ground;
 use crate::recording::instrument::AntennaRow;
 
 impl Focuser<'_> {
-    /// The gate of a channel, whose pulses in use are `illuminated`: as asked, or as wide as the pulse rate
-    /// of the channel where some pixel lies beyond that in some pulse.
+    /// The Doppler weights (gate) of a channel, whose pulses in use are `illuminated`: as asked, or as wide
+    /// as the pulse rate of the channel where some pixel lies beyond that in some pulse.
     pub(super) fn gate(
         &self,
         aperture: &Aperture,

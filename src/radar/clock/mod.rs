@@ -130,7 +130,7 @@ struct Running {
 /// What clocks make of the samples of one channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChannelClock {
-    /// Delay beside that of the window's start, s.
+    /// Delay in addition to that of the window's start, s.
     pub delay_s: f64,
     /// Phase of the first sample, turns.
     pub turns: f64,

@@ -14,7 +14,7 @@
 //! motion that the height map resolves is in the path of the facet; that of the waves between facet and Bragg
 //! wave widens both lines by `s`, `s^2` the mean square of `q.v` ([`orbital`]). A line of a given middle and
 //! width is a sum of components of fixed frequency ([`comb`]): any time may be asked in any order. Specular
-//! points have one line at `q.u`, widened by the waves up to the cut.
+//! points have one line at `q.u`, widened by the waves up to the cutoff.
 //!
 //! All Bragg matrices of a facet are turned by the same phasor: their phases towards each other are those of
 //! [`speckle`](super::speckle). Tilts within the facet add `(d omega/dK)^2 q_z^2 K^T S K/K^2` to `s^2`, `S`

@@ -342,7 +342,7 @@ impl Batch {
         }
     }
 
-    /// Adds waves beside those of the wind; kinds and the cut change both.
+    /// Adds waves besides those of the wind; kinds and the cutoff change both.
     fn raise(&mut self, water: &LaneWater, kind: &LaneKind, beside: Beside<'_>) {
         for i in 0..lanes_for(self.count) {
             let k = [self.bragg[0][i], self.bragg[1][i]].map(f64::from);

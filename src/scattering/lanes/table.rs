@@ -2,9 +2,9 @@
 //!
 //! On the circle of radius `K` the symmetrised spectrum is
 //! `K^-4 [c_0 + sum_n (c_n cos 2 n psi + s_n sin 2 n psi)]`. The coefficients, with the high pass of the
-//! two-scale cut in them, stand in [`ROWS`] rows at `K = K_end (i/ROWS)^2`, `K_end = 2.02 k`: steps `2 K/i`,
-//! relative to `K` the finer the shorter the wave. Between rows they are linear: the error is
-//! `(1/8) (2/i)^2 K^2 c''/c`, 1e-6 to 1e-5 about the cut (`i` near 1600), where the high pass bends, and less
+//! two-scale cutoff in them, stand in [`ROWS`] rows at `K = K_end (i/ROWS)^2`, `K_end = 2.02 k`: steps `2
+//! K/i`, relative to `K` the finer the shorter the wave. Between rows they are linear: the error is `(1/8)
+//! (2/i)^2 K^2 c''/c`, 1e-6 to 1e-5 about the cutoff (`i` near 1600), where the high pass bends, and less
 //! beyond; [`BraggTable::worst_relative_error`] is measured, between rows and at azimuths that no row was
 //! made from.
 //!

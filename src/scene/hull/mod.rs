@@ -61,7 +61,7 @@ pub struct Hull {
     scale: f64,
 }
 
-/// What a ship's file has beside its offsets.
+/// What a ship's file has in addition to its offsets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
     /// Name.

@@ -9,8 +9,8 @@
 //! * short waves `Bh = (am/2)(cm/c) L exp{-0.25 (K/km - 1)^2}`, `am = 0.01 [1 + ln(u*/cm)]` below cm,
 //!   `0.01 [1 + 3 ln(u*/cm)]` above, never negative. The factor L on Bh follows McDaniel 2001.
 //!
-//! Spreading two-fold with `Delta = tanh{ln 2/4 + 4 (c/cp)^2.5 + 0.13 (u*/cm)(cm/c)^2.5}`. Fetch x:
-//! `Omega_c = 0.84 tanh[(g x / (U10^2 2.2e4))^0.4]^-0.75`. u* is Wu's.
+//! Spreading `1 + Delta cos 2 phi` with `Delta = tanh{ln 2/4 + 4 (c/cp)^2.5 + 0.13 (u*/cm)(cm/c)^2.5}`. Fetch
+//! x: `Omega_c = 0.84 tanh[(g x / (U10^2 2.2e4))^0.4]^-0.75`. u* is Wu's.
 //!
 //! Limits: Omega_c 0.84 to 5; zero in a calm.
 //!

@@ -56,7 +56,7 @@ impl Heading {
         (1.0 + e * cos_2phi) / std::f64::consts::TAU
     }
 
-    /// The half of the two-fold form that travels with the wind, doubled; on the border as it is.
+    /// The half of the `cos 2 phi` form that travels with the wind, doubled; on the border as it is.
     pub fn two_fold_wave(self, e: f64, k: WaveVector) -> f64 {
         let [along, _] = self.resolve(k);
         if along > 0.0 {
@@ -68,7 +68,7 @@ impl Heading {
         }
     }
 
-    /// Second harmonic of the two-fold form: see [`super::Spectrum::second_harmonic`].
+    /// Second harmonic of the `cos 2 phi` form: see [`super::Spectrum::second_harmonic`].
     pub fn two_fold_harmonic(self, e: f64) -> [f64; 2] {
         self.rotate_harmonic(0.5 * e)
     }

@@ -22,12 +22,12 @@
 //!
 //! `k = sum sum M(K_1, K_2) s_1 s_2 / sum sum s_1 s_2`, skewness `3 k sum sum s_1 s_2/(sum s)^(3/2)`,
 //!
-//! with [`interaction_radpm`] for M, `min(K_1, K_2)` of waves that run the same way. A wave beside itself
-//! counts half: amplitudes are drawn, and their fourth powers are twice as much in the mean as of waves of
-//! fixed height. The skewness of the height at second order is then his for any spectrum, and Tayfun's (1980)
-//! for a narrow one; a single wave is that of Stokes. How it is shared between sum and difference of
-//! frequencies is not his but for a narrow spectrum. The waves are those of the map, sorted by octaves in
-//! eighths and by direction in steps of 15 degrees.
+//! with [`interaction_radpm`] for M, `min(K_1, K_2)` of waves that run the same way. A wave paired with
+//! itself counts half: amplitudes are drawn, and their fourth powers are twice as much in the mean as of
+//! waves of fixed height. The skewness of the height at second order is then his for any spectrum, and
+//! Tayfun's (1980) for a narrow one; a single wave is that of Stokes. How it is shared between sum and
+//! difference of frequencies is not his but for a narrow spectrum. The waves are those of the map, sorted by
+//! octaves in eighths and by direction in steps of 15 degrees.
 //!
 //! **Folds**: where `J` would be less than [`LEAST_AREA`], all of `S` is reduced at that facet until `J` is
 //! as large; height and place stay. The mean of `J` over a map is 1 but for that.

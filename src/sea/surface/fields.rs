@@ -69,14 +69,14 @@ pub(super) fn round_complex<T: Real>(value: Complex<f64>) -> Complex<T> {
     Complex::new(T::round_from(value.re), T::round_from(value.im))
 }
 
-/// Which fields are wanted beside the height.
+/// Which fields are wanted in addition to the height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Selection {
     /// Slopes along x and y.
     pub slopes: bool,
     /// Orbital velocity.
     pub velocity: bool,
-    /// Vertical acceleration; costs nothing beside the height.
+    /// Vertical acceleration; costs nothing once the height is made.
     pub vertical_acceleration: bool,
     /// Horizontal orbital acceleration.
     pub horizontal_acceleration: bool,

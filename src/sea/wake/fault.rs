@@ -110,7 +110,7 @@ pub enum WakeError {
         ERROR_RANGE_DB[1]
     )]
     ErrorBudget {
-        /// The error asked, dB.
+        /// The requested error, dB.
         error_db: f64,
     },
     /// A wake made for other facets.

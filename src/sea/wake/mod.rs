@@ -1,4 +1,5 @@
-//! Ship wakes: Kelvin waves on a straight or slowly turning course, and the turbulent strip behind the stern.
+//! Ship wakes: Kelvin waves on a straight or slowly turning course, and the turbulent wake (the strip) behind
+//! the stern.
 //!
 //! | page | holds |
 //! | --- | --- |

@@ -11,7 +11,7 @@ use crate::sinks::description::VERSION;
 /// Words of 8 bytes that the state of a platform takes.
 pub const STATE_WORDS: usize = 12;
 
-/// What is known of a pulse, beside its samples. 80 bytes.
+/// What is known of a pulse, apart from its samples. 80 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
 #[type_name("NereusPulse")]
 #[repr(C)]

@@ -1,7 +1,7 @@
 //! The same samples as DIFI packets (IEEE-ISTO 4900-2021, version 1.1 of the standard): for receivers that
 //! take nothing else.
 //!
-//! A channel is a DIFI stream: signal data, the standard context and the version context once a second, all
+//! A channel is a DIFI stream: signal data, the standard context and the version context once per second, all
 //! under one stream identifier. Nothing else is sent: neither states nor descriptions, which have no place in
 //! that standard. A second sink of the ordinary profile sends them to another address.
 //!

@@ -74,7 +74,7 @@ pub enum Messages {
 pub struct Settings {
     /// Local address and first port.
     pub bind: String,
-    /// Ports from there on: one a channel, or one for all.
+    /// Ports from there on: one per channel, or one for all.
     pub ports: u16,
     /// What messages hold.
     pub messages: Messages,

@@ -106,7 +106,7 @@ pub fn strength(height_m: f64, wind20_mps: f64) -> Scales {
     Scales { length_m: length_ft.map(|l| l * FOOT_M), sigma_mps }
 }
 
-/// Motion beside a track in turbulent air.
+/// Motion about a track in turbulent air.
 pub(super) fn deviation(
     track: &Track,
     gusts: &Gusts,
