@@ -21,8 +21,6 @@ use super::slope_pdf::{GramCharlier, MeanSquareSlope};
 
 /// A kind of surface.
 pub trait Kind {
-    /// Name, as a scenario writes it.
-    fn name(&self) -> &'static str;
     /// Factor on the clean spectrum at a wave number, rad/m: 0 to 1.
     fn spectrum_factor(&self, wavenumber_radpm: f64) -> f64;
     /// Slope variances of all waves, wind at 12.5 m.
