@@ -17,8 +17,8 @@
 //!
 //! **Weight**, on the amplitude, one-way, 0 to 1, continuous with its first derivative in `c`:
 //!
-//! `v = smoothstep(c / (w dx))`, `smoothstep(s) = 3 s^2 - 2 s^3` on 0..1, or ([`Settings::SHARP`]) `v = 1` for
-//! `c > 0`, else 0.
+//! `v = smoothstep(c / (w dx))`, `smoothstep(s) = 3 s^2 - 2 s^3` on 0..1, or ([`Settings::SHARP`]) `v = 1`
+//! for `c > 0`, else 0.
 //!
 //! `c / dx` is the clearance as an angle seen across one facet, `w` the width of the edge in the same measure
 //! (a tangent, as slopes are). For a horizon one step away `c / dx` is the local grazing angle, and a facet
@@ -236,16 +236,6 @@ impl<'a, T: Real> Map<'a, T> {
         Ok(Self { heights_m, facets, facet_m, first_m })
     }
 
-    /// Facets along x and y.
-    pub fn facets(&self) -> [usize; 2] {
-        self.facets
-    }
-
-    /// Side of a facet, m.
-    pub fn facet_m(&self) -> f64 {
-        self.facet_m
-    }
-
     /// Horizontal place in facets from the first one.
     fn place(&self, terminal: Point<Enu>) -> [f64; 2] {
         let [x, y, _] = terminal.to_array();
@@ -401,11 +391,6 @@ impl<T: Real> Shadow<T> {
             turned_heights_m: vec![T::default(); nx * ny],
             turned: vec![T::default(); nx * ny],
         })
-    }
-
-    /// The settings it was made with.
-    pub fn settings(&self) -> Settings {
-        self.settings
     }
 
     /// Visibility weights of all facets from a terminal, `[iy][ix]`, 0 to 1, into `out`.
