@@ -390,8 +390,8 @@ mod tests {
             let spacings = [Spacing::Linear, Spacing::Logarithmic, Spacing::Decibels];
             let marks = [Mark::Line, Mark::Dots];
             let curves = [
-                Curve { name: &name, points: &first, mark: marks[which % 3] },
-                Curve { name: "b", points: &second, mark: marks[which / 3] },
+                Curve { name: &name, points: &first, mark: marks[which % 2] },
+                Curve { name: "b", points: &second, mark: marks[which / 3 % 2] },
             ];
             let axis = |spacing| PlotAxis { label: &name, spacing, limits: None };
             let plot = Plot {
