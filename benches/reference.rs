@@ -12,7 +12,7 @@ use nereus::pulse::{Layout, Pulse};
 use nereus::radar::phasor::phasor;
 use nereus::radar::receiver::Receiver;
 use nereus::radar::waveform::{Lfm, Sampled, Waveform};
-use nereus::scene::radar::{Gate, Sweep, TxPolarisation, Window};
+use nereus::scene::radar::{Gate, Sweep, Window};
 use nereus::scene::{self, Radar};
 use nereus::time::PulseTimes;
 use num_complex::Complex64;
@@ -62,36 +62,19 @@ fn echo(c: &mut Criterion) {
 
 fn receive(c: &mut Criterion) {
     let radar = Radar {
-        carrier_hz: 10e9,
-        sample_rate_hz: 100e6,
-        waveform: scene::radar::Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
-        emissions: PulseTimes::uniform(222.0).unwrap(),
-        tx_polarisation: TxPolarisation::Simultaneous,
-        window: Window { samples: 286, gate: Gate::Fixed { start_s: 0.0 } },
-        losses_db: 0.0,
-        atmosphere_db_per_km: 0.0,
-        rain_mmph: 0.0,
-        rain_clutter: None,
         noise_figure_db: Some(3.0),
-        adc: None,
-        direct_path: false,
-        transmitters: Vec::new(),
-        receivers: Vec::new(),
-        channels: Vec::new(),
+        ..Radar::new(
+            10e9,
+            100e6,
+            scene::radar::Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
+            PulseTimes::uniform(222.0).unwrap(),
+            Window { samples: 286, gate: Gate::Fixed { start_s: 0.0 } },
+        )
     };
     let receiver = Receiver::new(&radar, 1, BINS, 4);
     let mut scratch = receiver.scratch();
-    let mut pulse = Pulse::new(&Layout {
-        channels: 4,
-        samples: 286,
-        format: receiver.sample_format(),
-        platforms: 0,
-        antennas: 0,
-        targets: 0,
-        pairs: 0,
-        ships: 0,
-        clocks: 0,
-    });
+    let layout = Layout { channels: 4, samples: 286, format: receiver.sample_format(), ..Layout::default() };
+    let mut pulse = Pulse::new(&layout);
     let mut spectrum = vec![Complex64::ZERO; 4 * BINS];
     c.bench_function("receive_384_bins_4_channels_with_noise", |b| {
         b.iter(|| {

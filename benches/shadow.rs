@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nereus::frames::{Enu, Point};
-use nereus::geometry::shadow::{Edge, Map, Relief, Settings, Shadow};
+use nereus::geometry::shadow::{Map, Relief, Settings, Shadow};
 
 const SIDE: usize = 512;
 
@@ -28,7 +28,7 @@ fn shadow(c: &mut Criterion) {
     let mut weights = vec![0.0_f32; SIDE * SIDE];
     let mut group = c.benchmark_group("shadow 512x512");
     group.throughput(Throughput::Elements((SIDE * SIDE) as u64));
-    let sharp = Settings { edge: Edge::Sharp, ..soft };
+    let sharp = Settings { width_rad: 0.0, ..soft };
     let four = Settings { rays_per_facet: 4, ..soft };
     for (name, settings, terminal) in [
         ("far, along y", soft, terminal(20e3, 10.0, 1.0)),

@@ -14,7 +14,7 @@ use nereus::receive::Receiver;
 use nereus::recording::header::{AdcRow, ChannelRow, Header, Origin};
 use nereus::sinks::sink::Sink;
 use nereus::sinks::vita49::{Settings, Vita49Sink};
-use nereus::time::{PulseTimes, TimeTag};
+use nereus::time::PulseTimes;
 
 const PRF_HZ: f64 = 222.0;
 
@@ -34,36 +34,13 @@ fn header(format: SampleFormat) -> Header {
         pulse_s: 0.333e-6,
         prf_hz: PRF_HZ,
         channels: ["HH", "HV", "VH", "VV"].map(channel).to_vec(),
-        pairs: Vec::new(),
         origin: Some(Origin { lat_deg: 51.0, lon_deg: 1.5, h_m: 45.0 }),
         seed: 1,
-        config: String::new(),
-        replica: Vec::new(),
-        instrument: None,
         platforms: vec!["coast".to_owned(), "aircraft".to_owned()],
-        transmitters: Vec::new(),
-        receivers: Vec::new(),
-        targets: Vec::new(),
-        ships: Vec::new(),
-        clocks: Vec::new(),
-        layout: Layout {
-            channels: 4,
-            samples: 384,
-            format,
-            platforms: 2,
-            antennas: 0,
-            targets: 0,
-            pairs: 0,
-            ships: 0,
-            clocks: 0,
-        },
+        layout: Layout { channels: 4, samples: 384, format, platforms: 2, ..Layout::default() },
         adc: (format == SampleFormat::Ci16).then_some(AdcRow { bits: 12, step: 1e-8 }),
-        start: TimeTag::default(),
-        first_pulse: 0,
         pulses: u64::MAX,
-        shard: None,
-        truth: false,
-        changes: None,
+        ..Header::default()
     }
 }
 

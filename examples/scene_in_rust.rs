@@ -21,7 +21,7 @@ use nereus::pipeline::build;
 use nereus::pulse::{Pulse, Samples};
 use nereus::scene::radar::{
     Aim, AimFrom, AntennaMount, Channel, Gate, Pattern, Pointing, Polarisation, Radar, Receiver, Sweep,
-    Transmitter, TxPolarisation, Waveform, Window,
+    Transmitter, Waveform, Window,
 };
 use nereus::scene::{Scene, Target};
 use nereus::time::{PulseTimes, TimeTag};
@@ -55,22 +55,17 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
         seed: 1,
         platforms: vec!["aircraft".into()],
         radar: Radar {
-            carrier_hz: 10e9,
-            sample_rate_hz: SAMPLE_RATE_HZ,
-            waveform: Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
-            emissions: PulseTimes::uniform(200.0)?,
-            tx_polarisation: TxPolarisation::Simultaneous,
-            window: Window { samples: 256, gate: Gate::Fixed { start_s: WINDOW_START_S } },
-            losses_db: 0.0,
-            atmosphere_db_per_km: 0.0,
-            rain_mmph: 0.0,
-            rain_clutter: None,
             noise_figure_db: Some(4.0),
-            adc: None,
-            direct_path: false,
             transmitters: vec![Transmitter { name: "tx".into(), power_w: 1000.0, antenna: antenna.clone() }],
             receivers: vec![Receiver { name: "rx".into(), antenna }],
             channels: vec![vv],
+            ..Radar::new(
+                10e9,
+                SAMPLE_RATE_HZ,
+                Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
+                PulseTimes::uniform(200.0)?,
+                Window { samples: 256, gate: Gate::Fixed { start_s: WINDOW_START_S } },
+            )
         },
         sea: None,
         ships: Vec::new(),

@@ -34,39 +34,28 @@ fn header() -> Header {
             transmitter: text("t"),
             receiver: text("r"),
             polarisations: text("HH"),
-            transmit_basis: String::new(),
-            receive_basis: String::new(),
+            ..ChannelRow::default()
         }],
         pairs: vec![PairRow { transmitter: text("t"), receiver: text("r") }],
-        origin: None,
         seed: 1,
         config: text("# a scenario\n"),
         replica: vec![Default::default(); 4],
-        instrument: None,
         platforms: vec![text("p")],
         transmitters: vec![text("t")],
         receivers: vec![text("r")],
         targets: vec![text("buoy")],
-        ships: Vec::new(),
-        clocks: Vec::new(),
         layout: Layout {
             channels: 1,
             samples: 8,
-            format: SampleFormat::Cf32,
             platforms: 1,
             antennas: 2,
             targets: 1,
             pairs: 1,
-            ships: 0,
-            clocks: 0,
+            ..Layout::default()
         },
-        adc: None,
-        start: TimeTag::default(),
-        first_pulse: 0,
         pulses: 16,
-        shard: None,
         truth: true,
-        changes: None,
+        ..Header::default()
     }
 }
 

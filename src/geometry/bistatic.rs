@@ -52,19 +52,6 @@ impl Basis {
     }
 }
 
-/// Incidence angle of a wave that travels along `k` onto the horizontal plane, radians
-/// (0 straight down, pi/2 level, more when it comes from below).
-pub fn incidence_rad(k: DVec3) -> f64 {
-    k.x.hypot(k.y).atan2(-k.z)
-}
-
-/// Bistatic angle at the scatterer between the ways to the transmitter and to the receiver, radians
-/// (0 monostatic, pi forward), from the unit propagation directions in and out.
-pub fn bistatic_angle_rad(incident: DVec3, scattered: DVec3) -> f64 {
-    // Half-angle form: exact near 0 and near pi, where the arc cosine is not.
-    2.0 * (incident + scattered).length().atan2((scattered - incident).length())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,15 +70,5 @@ mod tests {
     fn nadir_has_a_basis() {
         let basis = Basis::of(DVec3::NEG_Z);
         assert_eq!((basis.h, basis.v), (DVec3::Y, DVec3::NEG_X));
-        assert_eq!(incidence_rad(DVec3::NEG_Z), 0.0);
-    }
-
-    #[test]
-    fn bistatic_angles_at_both_ends() {
-        let k = DVec3::new(0.6, 0.0, -0.8);
-        assert_eq!(bistatic_angle_rad(k, -k), 0.0);
-        assert!((bistatic_angle_rad(k, k) - std::f64::consts::PI).abs() < 1e-15);
-        let mirrored = DVec3::new(0.6, 0.0, 0.8);
-        assert!((bistatic_angle_rad(k, mirrored) - 2.0 * 0.6f64.asin()).abs() < 1e-15);
     }
 }

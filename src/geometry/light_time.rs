@@ -187,18 +187,6 @@ pub fn direct(method: LightTime, transmitter: &PhaseCentre, receiver: &PhaseCent
     Path { delay_s, tx_leg_s: delay_s, rx_leg_s: 0.0, delay_rate, incident: k, scattered: k }
 }
 
-/// `f0 tau` modulo 1, in [0, 1): the carrier phase is `-2 pi` times this.
-///
-/// The product is formed without rounding (as a sum of two f64), so that the phase is as good as `tau`.
-pub fn carrier_cycles(carrier_hz: f64, delay_s: f64) -> f64 {
-    let product = carrier_hz * delay_s;
-    let rest = carrier_hz.mul_add(delay_s, -product);
-    let cycles = (product - product.floor()) + rest;
-    let cycles = cycles - cycles.floor();
-    // A negative rest of less than half an ulp of 1 rounds up to a whole cycle.
-    if cycles < 1.0 { cycles } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -255,22 +243,5 @@ mod tests {
         assert_eq!((path.delay_s, path.delay_rate), (0.0, 0.0));
         let straight = direct(LightTime::Exact, &end, &end);
         assert_eq!((straight.delay_s, straight.delay_rate), (0.0, 0.0));
-    }
-
-    #[test]
-    fn carrier_phase_is_reduced_exactly() {
-        assert_eq!(carrier_cycles(10e9, 0.0), 0.0);
-        // Against integers: tau = m 2^-e exactly, so f0 tau modulo 1 = (f0 m modulo 2^e) / 2^e.
-        for tau in [2.418_352_093_421e-5f64, 5.337_026_9e-3, 1.0 / 3.0] {
-            let bits = tau.to_bits();
-            let mantissa = u128::from((bits & ((1 << 52) - 1)) | (1 << 52));
-            let shift = 1075 - (bits >> 52);
-            let rest = (mantissa * 35_000_000_000) % (1u128 << shift);
-            let exact = rest as f64 / 2f64.powi(shift as i32);
-            let error = (carrier_cycles(35e9, tau) - exact).abs();
-            assert!(error <= f64::EPSILON, "{tau}: {error}");
-        }
-        let cycles = carrier_cycles(35e9, -1.234_567_891e-3);
-        assert!((0.0..1.0).contains(&cycles));
     }
 }

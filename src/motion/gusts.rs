@@ -1,9 +1,10 @@
 //! Turbulence of the air that a platform flies through, as it is asked for. What it does is the business of
 //! `motion::turbulence`.
 
+use crate::units::KNOT_MPS;
+
 /// Wind at 20 ft of light, moderate and severe turbulence (15, 30, 45 knots), m/s.
 pub const LEVELS_MPS: [f64; 3] = [15.0 * KNOT_MPS, 30.0 * KNOT_MPS, 45.0 * KNOT_MPS];
-const KNOT_MPS: f64 = 1852.0 / 3600.0;
 
 /// Gusts and how an aircraft answers them.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -32,11 +32,11 @@ use super::faults::{FaultKind, Faults, NavError};
 use super::replay::read_bytes;
 use crate::nav::recording::MAX_FIXES;
 use crate::time::TimeTag;
+use crate::units::KNOT_MPS;
 
 const NEEDED: [&str; 6] =
     ["Time", "MMSI", "Latitude_degrees", "Longitude_degrees", "COG_degrees", "SOG_knots"];
 const OPTIONAL: [&str; 3] = ["Length_metres", "Beam_metres", "Draught_metres"];
-const KNOT_MPS: f64 = 1852.0 / 3600.0;
 /// Course and speed that say nothing.
 const NO_COURSE_DEG: f64 = 360.0;
 const NO_SPEED_KNOTS: f64 = 102.3;

@@ -37,11 +37,11 @@ use super::decode::{Content, Inspvax, Message};
 use super::{Fix, Place, Sigma, VerticalDatum};
 use crate::frames::Geodetic;
 use crate::time::TimeTag;
+use crate::units::KNOT_MPS;
 
 const DAY_S: i64 = 86_400;
 const SECOND_NS: i64 = 1_000_000_000;
 pub(super) const DAY_NS: i64 = DAY_S * SECOND_NS;
-pub(super) const KNOT_MPS: f64 = 1852.0 / 3600.0;
 
 /// Ranks of positions.
 const GLL: u8 = 1;

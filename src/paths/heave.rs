@@ -34,7 +34,7 @@ use std::sync::{Arc, OnceLock};
 use num_complex::Complex64;
 
 use crate::frames::{Enu, Point, SceneFrame, Vector};
-use crate::geometry::shadow::{Edge, visible};
+use crate::geometry::shadow::visible;
 use crate::motion::pointing::PhaseCentre;
 use crate::paths::waves::{Component, Series, components, met, quintic};
 use crate::scene::Target;
@@ -68,7 +68,7 @@ pub(super) fn waves(surface: &Surface, waterline_m: f64) -> Arc<[Wave]> {
 /// How crests hide targets.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crests {
-    pub edge: Edge,
+    pub width_rad: f64,
     pub facet_m: f64,
     /// No crest is higher, m.
     pub reach_m: f64,
@@ -186,7 +186,7 @@ impl Heave {
                 let then = position + velocity * self.knots.apart_s();
                 let ends = [(time_s, position), (time_s + self.knots.apart_s(), then)];
                 let ends = ends.map(|(time_s, from)| {
-                    visible(self.clearance_m(crests, frame, time_s, from), crests.edge, crests.facet_m)
+                    visible(self.clearance_m(crests, frame, time_s, from), crests.width_rad, crests.facet_m)
                 });
                 kept.map_or(ends, |kept| *kept.get_or_init(|| ends))
             }
@@ -203,10 +203,7 @@ impl Heave {
         let apart_m = east.hypot(north);
         let step = [east, north].map(|along| along / apart_m * crests.facet_m);
         let over = |height_m: f64, left_m: f64| z_m - from_z - apart_m * (height_m - from_z) / left_m;
-        let enough_m = match crests.edge {
-            Edge::Soft { width_rad } => width_rad * crests.facet_m,
-            Edge::Sharp => 0.0,
-        };
+        let enough_m = crests.width_rad * crests.facet_m;
         let mut least_m = f64::INFINITY;
         for first in (1..MOST_STEPS).step_by(STEPS) {
             let heights_m = self.heights_m(time_s, [x_m, y_m], step, first);

@@ -24,7 +24,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use crate::frames::{Earth, Enu, Point};
-use crate::geometry::shadow::{Edge, visible};
+use crate::geometry::shadow::visible;
 use crate::motion::pointing::PhaseCentre;
 use crate::scene::Target;
 use crate::sea::land::Dem;
@@ -43,7 +43,7 @@ const MOST_STEPS: usize = 4096;
 pub(super) struct Hills {
     dem: Arc<Dem>,
     earth: Earth,
-    edge: Edge,
+    width_rad: f64,
     facet_m: f64,
     antennas: usize,
     targets: Vec<Knots>,
@@ -87,7 +87,7 @@ impl Hills {
     /// pulse 0.
     pub fn new(
         (dem, earth): (Arc<Dem>, Earth),
-        (edge, facet_m): (Edge, f64),
+        (width_rad, facet_m): (f64, f64),
         antennas: usize,
         targets: &[Target],
         last_s: f64,
@@ -101,7 +101,7 @@ impl Hills {
             let weights = std::iter::repeat_with(OnceLock::new).take(count * antennas).collect();
             Knots { apart_s, weights }
         };
-        Self { dem, earth, edge, facet_m, antennas, targets: targets.iter().map(knots).collect() }
+        Self { dem, earth, width_rad, facet_m, antennas, targets: targets.iter().map(knots).collect() }
     }
 
     /// Share of the field between a target and an antenna that passes the land at a time after pulse 0; says
@@ -125,7 +125,7 @@ impl Hills {
                 let PhaseCentre { position, velocity, .. } = centre(time_s)?;
                 let then = position + velocity * *apart_s;
                 let ends = [(time_s, position), (time_s + apart_s, then)].map(|(time_s, from)| {
-                    visible(self.clearance_m(target(time_s), from), self.edge, self.facet_m)
+                    visible(self.clearance_m(target(time_s), from), self.width_rad, self.facet_m)
                 });
                 kept.map_or(ends, |kept| *kept.get_or_init(|| ends))
             }
@@ -159,10 +159,7 @@ impl Hills {
         if !(apart_m > self.facet_m && apart_m.is_finite()) {
             return f64::INFINITY;
         }
-        let enough_m = match self.edge {
-            Edge::Soft { width_rad } => width_rad * self.facet_m,
-            Edge::Sharp => 0.0,
-        };
+        let enough_m = self.width_rad * self.facet_m;
         let steps = ((apart_m / self.facet_m).floor() as usize).min(MOST_STEPS);
         let step_m = (apart_m / MOST_STEPS as f64).max(self.facet_m);
         let mut least_m = f64::INFINITY;

@@ -18,7 +18,7 @@ impl PathGenerator {
         }
         let last_s = self.last_emission_s();
         let crests = sea.visibility.as_ref().filter(|visibility| visibility.waves).map(|visibility| Crests {
-            edge: visibility.settings.edge,
+            width_rad: visibility.settings.width_rad,
             facet_m: sea.patch.facet_m,
             reach_m: sea.reach_m,
             antennas: visibility.ends,
@@ -41,9 +41,9 @@ impl PathGenerator {
             return None;
         }
         let ends = visibility.ends;
-        let (edge, facet_m) = (visibility.settings.edge, sea.patch.facet_m);
+        let (width_rad, facet_m) = (visibility.settings.width_rad, sea.patch.facet_m);
         let land = (land.sheet.dem(), self.frame.earth());
-        Some(Hills::new(land, (edge, facet_m), ends, &self.targets, self.last_emission_s()))
+        Some(Hills::new(land, (width_rad, facet_m), ends, &self.targets, self.last_emission_s()))
     }
 
     fn last_emission_s(&self) -> f64 {

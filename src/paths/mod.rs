@@ -29,7 +29,7 @@
 //! ```
 //! use nereus::frames::{Earth, Point, Rotation, SceneFrame, Vector};
 //! use nereus::motion::{PlatformTracks, track::Track};
-//! use nereus::pulse::{Layout, Pulse, SampleFormat};
+//! use nereus::pulse::Pulse;
 //! use nereus::paths::PathGenerator;
 //! use nereus::paths::list::ScattererPaths;
 //! use nereus::scene::{Radar, Scene, Target, radar::*};
@@ -49,24 +49,18 @@
 //!     seed: 1,
 //!     platforms: vec!["tower".into()],
 //!     radar: Radar {
-//!         carrier_hz: 10e9,
-//!         sample_rate_hz: 100e6,
-//!         waveform: Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
-//!         emissions: PulseTimes::uniform(222.0)?,
-//!         tx_polarisation: TxPolarisation::Simultaneous,
-//!         window: Window { samples: 256, gate: Gate::Fixed { start_s: 19.5e-6 } },
-//!         losses_db: 0.0,
-//!         atmosphere_db_per_km: 0.0,
-//!         rain_mmph: 0.0,
-//!         rain_clutter: None,
-//!         noise_figure_db: None,
-//!         adc: None,
-//!         direct_path: false,
 //!         transmitters: vec![Transmitter { name: "tx".into(), power_w: 1.0, antenna: mount.clone() }],
 //!         receivers: vec![Receiver { name: "rx".into(), antenna: mount }],
 //!         channels: vec![Channel {
 //!             name: "HH".into(), transmitter: 0, receiver: 0, tx: Polarisation::H, rx: Polarisation::H,
 //!         }],
+//!         ..Radar::new(
+//!             10e9,
+//!             100e6,
+//!             Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
+//!             PulseTimes::uniform(222.0)?,
+//!             Window { samples: 256, gate: Gate::Fixed { start_s: 19.5e-6 } },
+//!         )
 //!     },
 //!     sea: None,
 //!     ships: Vec::new(),
@@ -78,10 +72,7 @@
 //! let track = Track::fixed(Point::new(0.0, 0.0, 50.0), level);
 //! let tracks = vec![PlatformTracks { truth: track.clone(), reported: track }];
 //! let generator = PathGenerator::new(&scene, 0.333e-6, tracks)?;
-//! let layout = Layout {
-//!     channels: 1, samples: 256, format: SampleFormat::Cf32, platforms: 1, antennas: 2, targets: 1, pairs: 1,
-//!     ships: 0, clocks: 0,
-//! };
+//! let layout = scene.radar.layout(1, 1);
 //! let (mut workspace, mut paths) = (generator.workspace(), ScattererPaths::new(1, 1, 1));
 //! let mut record = Pulse::new(&layout);
 //! generator.pulse(3, &mut workspace, &mut paths, &mut record)?;

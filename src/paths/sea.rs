@@ -14,14 +14,14 @@ use super::phasors::Phasors;
 use super::ships::{Seas, Ships};
 use super::visibility::{MOST_ENDS, Mix, Updates, Visibility};
 use crate::frames::{Enu, Point, SceneFrame};
-use crate::geometry::shadow::{self, Edge, Map, half_slope_change_rad};
+use crate::geometry::shadow::{self, Map, half_slope_change_rad};
 use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::paths::emission::TrackFailure;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::fault::{RadarFault, SeaFault, TrackUse};
 use crate::scattering::land::LandScattering;
 use crate::scattering::lanes::LaneWater;
-use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
+use crate::scattering::water::{Sight, WaterScattering};
 use crate::scene::radar::AntennaMount;
 use crate::scene::sea::{Breaking, LightWinds, PatchPlace, Sea, Waves};
 use crate::scene::{Land, Patch, Scene, Ship};
@@ -203,7 +203,7 @@ impl SeaPlan {
         };
         let Realised { wind, spectrum, surface } = realised;
         let carrier_hz = scene.radar.carrier_hz;
-        let sight = Sight { carrier_hz, seed: scene.seed, spectrum: SpectrumPath::Exact };
+        let sight = Sight { carrier_hz, seed: scene.seed };
         let Fleet { wakes, strips } = fleet;
         let shortest_radpm = 2.0 * TAU * carrier_hz / SPEED_OF_LIGHT_MPS;
         let short_waves = fleet::short_waves(&scene.ships, sea.patch.facet_m, shortest_radpm)?;
@@ -254,8 +254,7 @@ impl SeaPlan {
                     plan.half_slope_change_rad(run.patches.first().map_or(&sea.patch, |(_, patch)| patch))?
                 }
             };
-            let settings =
-                shadow::Settings { edge: Edge::Soft { width_rad }, rays_per_facet: shadowing.rays_per_facet };
+            let settings = shadow::Settings { width_rad, rays_per_facet: shadowing.rays_per_facet };
             let visibility = Visibility {
                 waves: sea.shadow.is_some(),
                 settings,
@@ -427,15 +426,7 @@ impl SeaPlan {
         phasors.prepare(&self.scattering, patch, reception.elapsed_s);
         costs.lap(Stage::ScattererPaths);
         let earth = reception.surroundings.frame.earth();
-        let mix = match (&self.visibility, updates) {
-            (Some(visibility), Some(updates)) => Some(visibility.at(
-                updates,
-                reception.elapsed_s,
-                |elapsed_s, places| self.scenery(reception, elapsed_s, places),
-                |[x, y]| earth.drop_m(x, y),
-            )?),
-            _ => None,
-        };
+        let mix = self.mix(reception, updates)?;
         costs.lap(Stage::Shadow);
         let transmitters = reception.radar.transmitters.len();
         let mut first = 0;
@@ -494,22 +485,26 @@ impl SeaPlan {
         Ok(())
     }
 
+    /// The visibility of facets at an emission, where anything hides them.
+    fn mix<'a>(
+        &'a self,
+        reception: &Reception,
+        updates: &'a mut Option<Updates>,
+    ) -> Result<Option<Mix<'a>>, SeaFailure> {
+        let (Some(visibility), Some(updates)) = (&self.visibility, updates) else { return Ok(None) };
+        let earth = reception.surroundings.frame.earth();
+        let scenery = |elapsed_s, places: &mut [Point<Enu>]| self.scenery(reception, elapsed_s, places);
+        let lower = |[x, y]: [f64; 2]| earth.drop_m(x, y);
+        visibility.at(updates, reception.elapsed_s, scenery, lower).map(Some)
+    }
+
     /// The patch of an emission that was visited, and the visibility of its facets.
     pub fn seen<'a>(
         &'a self,
         reception: &Reception,
         work: &'a mut SeaWork,
     ) -> Result<(Patch, Option<Mix<'a>>), SeaFailure> {
-        let earth = reception.surroundings.frame.earth();
-        let mix = match (&self.visibility, &mut work.updates) {
-            (Some(visibility), Some(updates)) => Some(visibility.at(
-                updates,
-                reception.elapsed_s,
-                |elapsed_s, places| self.scenery(reception, elapsed_s, places),
-                |[x, y]| earth.drop_m(x, y),
-            )?),
-            _ => None,
-        };
+        let mix = self.mix(reception, &mut work.updates)?;
         Ok((self.patch_at(&reception.surroundings, reception.elapsed_s)?, mix))
     }
 

@@ -500,7 +500,7 @@ impl BlockEcho {
     }
 }
 
-fn check(found: Fill) -> Result<(), PulseError> {
+pub(super) fn check(found: Fill) -> Result<(), PulseError> {
     match found.unplaced {
         0 => Ok(()),
         unplaced => Err(PulseError::Unplaced { unplaced }),

@@ -140,7 +140,7 @@ fn targets(ship: &Ship, hull: &Hull, frame: &SceneFrame, known: &[Target]) -> Re
 mod tests {
     use super::*;
     use crate::frames::Earth;
-    use crate::pulse::{Layout, SampleFormat};
+    use crate::pulse::Layout;
 
     /// On a curved earth the recorded velocity is the rate of the recorded position, up and down too.
     #[test]
@@ -149,17 +149,7 @@ mod tests {
         let start = TimeTag::new(1_000_000, 0.25);
         let course = Course::straight([40e3, -20e3], 2.0, 10.0);
         let tracks = ShipTracks { frame, start, courses: vec![course] };
-        let mut pulse = Pulse::new(&Layout {
-            channels: 1,
-            samples: 1,
-            format: SampleFormat::Cf32,
-            platforms: 0,
-            antennas: 0,
-            targets: 0,
-            pairs: 0,
-            ships: 1,
-            clocks: 0,
-        });
+        let mut pulse = Pulse::new(&Layout { channels: 1, samples: 1, ships: 1, ..Layout::default() });
         let mut at = |time_s: f64| {
             pulse.time = start.plus(time_s);
             tracks.record(&mut pulse);

@@ -8,6 +8,7 @@ use crate::echo::synth::block::{BlockPaths, Node};
 use crate::echo::synth::{Grids, Synth, SynthScratch};
 use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Workspace};
+use crate::pipeline::block::check;
 use crate::pipeline::fault::PulseError;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
@@ -65,15 +66,10 @@ impl SingleEcho {
             let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
             memory.costs.lap(Stage::Spread);
             memory.costs.accumulated(found.spread);
-            return match found.unplaced {
-                0 => Ok(()),
-                unplaced => Err(PulseError::Unplaced { unplaced }),
-            };
+            return check(found);
         }
         self.synth.fill(&[Node { pulse: 0, paths }], &[pulse.window_start_s], block)?;
-        if block.found().unplaced > 0 {
-            return Err(PulseError::Unplaced { unplaced: block.found().unplaced });
-        }
+        check(block.found())?;
         memory.costs.lap(Stage::Fill);
         self.synth.spread(block, grids);
         memory.costs.lap(Stage::Spread);

@@ -65,8 +65,6 @@ const SWELL: [[f64; 3]; 9] = [
     [0.380, 0.121, 0.070],
 ];
 
-const GREY: [[f64; 3]; 2] = [[0.25, 0.0, 0.0], [1.0, 0.0, 0.0]];
-
 /// A colour map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -76,8 +74,6 @@ pub enum ColourMap {
     Deep,
     /// Blue, nearly white in the middle, red: for what has two signs. Limits are put evenly about zero.
     Swell,
-    /// Dark grey to white.
-    Grey,
 }
 
 impl ColourMap {
@@ -92,7 +88,6 @@ impl ColourMap {
         let anchors: &[[f64; 3]] = match self {
             Self::Deep => &DEEP,
             Self::Swell => &SWELL,
-            Self::Grey => &GREY,
         };
         let last = anchors.len() - 1;
         let at = if share > 0.0 { share.min(1.0) * last as f64 } else { 0.0 };
@@ -142,14 +137,13 @@ mod tests {
 
     #[test]
     fn lightness_climbs_evenly() {
-        for map in [ColourMap::Deep, ColourMap::Grey] {
-            let lightness: Vec<f64> = (0..=16).map(|i| cielab(map.colour(f64::from(i) / 16.0))[0]).collect();
-            let mean = (lightness[16] - lightness[0]) / 16.0;
-            for (i, pair) in lightness.windows(2).enumerate() {
-                // Oklab's L and CIE's L* differ in their curves (cube root of cone responses or of
-                // luminance): a fifth over the range used here. A flat or falling stretch would be -100 %.
-                assert!(((pair[1] - pair[0]) / mean - 1.0).abs() < 0.2, "{map:?} step {i}: {lightness:?}");
-            }
+        let lightness: Vec<f64> =
+            (0..=16).map(|i| cielab(ColourMap::Deep.colour(f64::from(i) / 16.0))[0]).collect();
+        let mean = (lightness[16] - lightness[0]) / 16.0;
+        for (i, pair) in lightness.windows(2).enumerate() {
+            // Oklab's L and CIE's L* differ in their curves (cube root of cone responses or of luminance): a
+            // fifth over the range used here. A flat or falling stretch would be -100 %.
+            assert!(((pair[1] - pair[0]) / mean - 1.0).abs() < 0.2, "step {i}: {lightness:?}");
         }
     }
 

@@ -188,11 +188,6 @@ impl Generators {
         self.list.len()
     }
 
-    /// As described.
-    pub fn descriptions(&self) -> impl Iterator<Item = &Calibration> {
-        self.list.iter().map(|generator| &generator.of)
-    }
-
     /// Memory of one thread.
     pub fn scratch(&self, receiver: &Receiver) -> GeneratorScratch {
         let noisy = self.list.iter().any(|generator| generator.of.noise);

@@ -1,7 +1,5 @@
 //! One kind of water surface, evaluated a batch of facets at a time.
 
-use std::sync::Arc;
-
 use num_complex::Complex64;
 
 use super::facets::{Facets, LengthError, Phases};
@@ -9,7 +7,6 @@ use super::kind::Kind;
 use super::lanes::LaneKind;
 use super::lanes::table::BraggTable;
 use super::modulation::TiltBias;
-use super::spectrum_table::SpectrumTable;
 use super::two_scale::{Medium, Settings, TwoScale};
 
 /// Facets of one kind, a batch at a time.
@@ -63,25 +60,17 @@ impl<K: Kind + Send + Sync, F: Fn(f64, f64) -> f64 + Send + Sync> Batch for TwoS
     }
 }
 
-/// One kind, asking the spectrum itself or a table of it, its sub-facets modulated or not.
+/// One kind, its sub-facets modulated or not.
 pub(super) fn batch<K, F>(
     settings: Settings,
     medium: Medium,
     kind: K,
     psi: F,
-    table: Option<&Arc<SpectrumTable<F>>>,
     bias: Option<TiltBias>,
 ) -> Box<dyn Batch>
 where
     K: Kind + Send + Sync + 'static,
     F: Fn(f64, f64) -> f64 + Send + Sync + 'static,
 {
-    match table {
-        None => Box::new(TwoScale::new(settings, medium, kind, psi).with_tilt_bias(bias)),
-        Some(table) => {
-            let table = Arc::clone(table);
-            let sea = TwoScale::new(settings, medium, kind, move |x, y| table.psi(x, y));
-            Box::new(sea.with_tilt_bias(bias))
-        }
-    }
+    Box::new(TwoScale::new(settings, medium, kind, psi).with_tilt_bias(bias))
 }

@@ -19,7 +19,6 @@ pub mod sigma0;
 pub mod slope_pdf;
 pub mod speckle;
 pub mod splitting;
-pub mod spectrum_table;
 pub mod spm;
 pub mod tilt;
 pub mod two_scale;

@@ -12,9 +12,8 @@
 //! towards, so that turning scene, wind and radar together changes nothing.
 //!
 //! ```
-//! use nereus::scattering::water::{Sight, SpectrumPath, WaterScattering};
-//! use nereus::scene::sea::{FacetScattering, PatchPlace, Realisation};
-//! use nereus::scene::water::{Development, Dispersion, SpectrumKind, WindGiven, WindProfile, WindStrength};
+//! use nereus::scattering::water::{Sight, WaterScattering};
+//! use nereus::scene::water::{Development, SpectrumKind, WindGiven, WindProfile, WindStrength};
 //! use nereus::scene::{Patch, Sea, Water};
 //! use nereus::sea::realise::realise;
 //! let wind = WindGiven {
@@ -22,27 +21,10 @@
 //!     profile: WindProfile::Cardone,
 //!     direction_rad: 0.5,
 //! };
-//! let water = Water {
-//!     wind,
-//!     spectrum: SpectrumKind::Elfouhaily { development: Development::default() },
-//!     swell: Vec::new(),
-//!     dispersion: Dispersion::default(),
-//!     temperature_c: 20.0,
-//!     salinity_psu: 35.0,
-//! };
-//! let sea = Sea {
-//!     water,
-//!     realisation: Realisation::Drawn { averaging: Default::default() },
-//!     patch: Patch::new([16.0, 16.0], 1.0, [0.0, 0.0])?,
-//!     place: PatchPlace::Fixed,
-//!     waves: Default::default(),
-//!     scattering: FacetScattering::default(),
-//!     shadow: None,
-//!     slicks: Vec::new(),
-//!     land: None,
-//! };
+//! let water = Water::new(wind, SpectrumKind::Elfouhaily { development: Development::default() });
+//! let sea = Sea::new(water, Patch::new([16.0, 16.0], 1.0, [0.0, 0.0])?);
 //! let realised = realise(&sea, 1)?;
-//! let sight = Sight { carrier_hz: 10e9, seed: 1, spectrum: SpectrumPath::Exact };
+//! let sight = Sight { carrier_hz: 10e9, seed: 1 };
 //! let water = WaterScattering::new(&sea, &realised.wind, realised.spectrum.into(), &[], sight)?;
 //! // The specular part, and the Bragg part of nine tilts.
 //! assert_eq!((water.kinds(), water.mechanisms()), (1, 10));
@@ -66,8 +48,7 @@ use super::lanes::{LaneModulation, LaneWater};
 use super::modulation::{self, TiltBias};
 use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::Speckle;
-use super::spectrum_table::SpectrumTable;
-use super::two_scale::{Medium, Moments, Settings, TwoScale};
+use super::two_scale::{Medium, Settings, TwoScale};
 use crate::scattering::splitting::high_pass;
 use crate::scene::sea::{BraggWaves, LightWinds, Permittivity, SlickRegion};
 use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
@@ -104,18 +85,6 @@ pub struct Sight {
     pub carrier_hz: f64,
     /// Seed of the facets' phases.
     pub seed: u64,
-    /// How the spectrum that scatters is found.
-    pub spectrum: SpectrumPath,
-}
-
-/// How facets find the spectrum at their Bragg wave vector.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SpectrumPath {
-    /// From its equation.
-    #[default]
-    Exact,
-    /// From a table ([`super::spectrum_table`]), whose error is measured when it is made.
-    Tabulated,
 }
 
 /// Every kind of water of a scene.
@@ -140,9 +109,7 @@ pub struct WaterScattering {
     mechanisms: usize,
     permittivity: Complex64,
     wavenumber_radpm: f64,
-    cut_radpm: Option<f64>,
-    moments: Moments,
-    spectrum_error: f64,
+    pub(super) cut_radpm: Option<f64>,
     spectrum: Arc<dyn Spectrum>,
 }
 
@@ -261,22 +228,13 @@ impl WaterScattering {
             clean = clean.modulated(wave_psi, sea.water.dispersion, relaxation_per_s);
         }
         let bias = clean.tilt_bias();
-        let (mechanisms, cut_radpm, moments) = (1 + clean.tilts(), clean.cut_radpm(), clean.moments(0.0));
+        let (mechanisms, cut_radpm) = (1 + clean.tilts(), clean.cut_radpm());
         let travelling = bragg_lines(sea, wind, spectrum.as_ref(), &clean, sight.seed);
-        let table = match sight.spectrum {
-            SpectrumPath::Exact => None,
-            SpectrumPath::Tabulated => {
-                Some(SpectrumTable::for_bragg(psi(), medium.wavenumber_radpm(), cut_radpm))
-            }
-        };
-        let spectrum_error = table.as_ref().map_or(0.0, SpectrumTable::worst_relative_error);
-        let table = table.map(Arc::new);
-        let mut kinds: Vec<Box<dyn Batch>> =
-            vec![batch(two_scale, medium, Clean, psi(), table.as_ref(), bias)];
+        let mut kinds = vec![batch(two_scale, medium, Clean, psi(), bias)];
         let mut regions = Vec::with_capacity(slicks.len());
         for slick in slicks {
             let kind = Slick { elasticity_npm: slick.elasticity_npm };
-            kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref(), bias));
+            kinds.push(batch(two_scale, medium, kind, psi(), bias));
             let rim_m = 0.5 * slick.rim_m;
             let bounds = slick.shape.bounds_m().map(|[from, to]| [from - rim_m, to + rim_m]);
             regions.push((slick.clone(), bounds));
@@ -289,7 +247,7 @@ impl WaterScattering {
                 strip.wind_ratio,
                 2.0 * medium.wavenumber_radpm(),
             )?;
-            kinds.push(batch(two_scale, medium, kind, psi(), table.as_ref(), bias));
+            kinds.push(batch(two_scale, medium, kind, psi(), bias));
         }
         let speckle = match settings.decorrelation_s {
             Some(time_s) if travelling.is_none() => Speckle::Decorrelating { time_s },
@@ -312,8 +270,6 @@ impl WaterScattering {
             permittivity: medium.permittivity,
             wavenumber_radpm: medium.wavenumber_radpm(),
             cut_radpm,
-            moments,
-            spectrum_error,
             spectrum,
         })
     }
@@ -398,21 +354,6 @@ impl WaterScattering {
     /// Relative permittivity of the water.
     pub fn permittivity(&self) -> Complex64 {
         self.permittivity
-    }
-
-    /// Wave number that divides specular points from Bragg scattering, rad/m, if there is one.
-    pub fn cut_radpm(&self) -> Option<f64> {
-        self.cut_radpm
-    }
-
-    /// Moments of the unresolved waves of clean water.
-    pub fn moments(&self) -> Moments {
-        self.moments
-    }
-
-    /// Largest relative error of the spectrum that facets ask; 0 for the exact one.
-    pub fn spectrum_error(&self) -> f64 {
-        self.spectrum_error
     }
 
     /// Whether phasors of [`Self::phasors`] change in time.

@@ -44,6 +44,35 @@ pub struct Radar {
 }
 
 impl Radar {
+    /// A radar without antennas and channels, for a start: noiseless, without a converter, no losses and no
+    /// rain on the way, all polarisations together, no direct path.
+    pub fn new(
+        carrier_hz: f64,
+        sample_rate_hz: f64,
+        waveform: Waveform,
+        emissions: PulseTimes,
+        window: Window,
+    ) -> Self {
+        Self {
+            carrier_hz,
+            sample_rate_hz,
+            waveform,
+            emissions,
+            tx_polarisation: TxPolarisation::Simultaneous,
+            window,
+            losses_db: 0.0,
+            atmosphere_db_per_km: 0.0,
+            rain_mmph: 0.0,
+            rain_clutter: None,
+            noise_figure_db: None,
+            adc: None,
+            direct_path: false,
+            transmitters: Vec::new(),
+            receivers: Vec::new(),
+            channels: Vec::new(),
+        }
+    }
+
     /// Carrier wavelength, metres.
     pub fn wavelength_m(&self) -> f64 {
         crate::units::SPEED_OF_LIGHT_MPS / self.carrier_hz

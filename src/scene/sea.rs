@@ -31,6 +31,24 @@ pub struct Sea {
     pub land: Option<Land>,
 }
 
+impl Sea {
+    /// A patch of such water that stays, its waves drawn by the seed, in the default way of everything; no
+    /// shadows, slicks or land.
+    pub fn new(water: Water, patch: Patch) -> Self {
+        Self {
+            water,
+            realisation: Realisation::Drawn { averaging: Averaging::default() },
+            patch,
+            place: PatchPlace::Fixed,
+            waves: Waves::default(),
+            scattering: FacetScattering::default(),
+            shadow: None,
+            slicks: Vec::new(),
+            land: None,
+        }
+    }
+}
+
 /// Where the amplitudes of the waves come from.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

@@ -21,6 +21,20 @@ pub struct Water {
     pub salinity_psu: f64,
 }
 
+impl Water {
+    /// Deep water of 20 degrees Celsius and 35 g/kg, without swell.
+    pub fn new(wind: WindGiven, spectrum: SpectrumKind) -> Self {
+        Self {
+            wind,
+            spectrum,
+            swell: Vec::new(),
+            dispersion: Dispersion::default(),
+            temperature_c: 20.0,
+            salinity_psu: 35.0,
+        }
+    }
+}
+
 /// Wind as the user knows it: one strength, one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindGiven {

@@ -163,7 +163,7 @@ impl<T: Real> Wakes<T> {
         if patch.len() != self.facets {
             return Err(SurfaceError::FieldSize { found: patch.len(), needed: self.facets }.into());
         }
-        self.map.add_in_order(patch.first, time_s, out)
+        self.map.add(patch.first, time_s, out)
     }
 }
 

@@ -5,8 +5,7 @@
 //! while wind and spectrum still decide how facets scatter.
 //!
 //! ```
-//! use nereus::scene::sea::{Averaging, FacetScattering, PatchPlace, Realisation};
-//! use nereus::scene::water::{Development, Dispersion, SpectrumKind, WindGiven, WindProfile, WindStrength};
+//! use nereus::scene::water::{Development, SpectrumKind, WindGiven, WindProfile, WindStrength};
 //! use nereus::scene::{Patch, Sea, Water};
 //! use nereus::sea::realise::realise;
 //! let wind = WindGiven {
@@ -14,24 +13,8 @@
 //!     profile: WindProfile::Cardone,
 //!     direction_rad: 0.5,
 //! };
-//! let sea = Sea {
-//!     water: Water {
-//!         wind,
-//!         spectrum: SpectrumKind::Elfouhaily { development: Development::default() },
-//!         swell: Vec::new(),
-//!         dispersion: Dispersion::default(),
-//!         temperature_c: 20.0,
-//!         salinity_psu: 35.0,
-//!     },
-//!     realisation: Realisation::Drawn { averaging: Averaging::Automatic },
-//!     patch: Patch::new([64.0, 64.0], 2.0, [0.0, 0.0])?,
-//!     place: PatchPlace::Fixed,
-//!     waves: Default::default(),
-//!     scattering: FacetScattering::default(),
-//!     shadow: None,
-//!     slicks: Vec::new(),
-//!     land: None,
-//! };
+//! let water = Water::new(wind, SpectrumKind::Elfouhaily { development: Development::default() });
+//! let sea = Sea::new(water, Patch::new([64.0, 64.0], 2.0, [0.0, 0.0])?);
 //! let realised = realise(&sea, 7)?;
 //! assert_eq!(realised.surface.grid().len(), 32 * 32);
 //! assert!((realised.wind.u10_mps - 8.0).abs() < 1e-9);

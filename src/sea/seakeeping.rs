@@ -86,11 +86,6 @@ impl Seakeeping {
         TAU / self.roll_radps
     }
 
-    /// What it answers.
-    pub fn form(&self) -> &HullForm {
-        &self.form
-    }
-
     /// Heave, m/m, pitch, bow up, and roll, port up, rad/m, per complex amplitude of a wave at midship:
     /// wave vector ahead and to port, rad/m, its frequency, and that with which the ship meets it (negative:
     /// it overtakes the wave), rad/s.

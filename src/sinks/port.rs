@@ -19,7 +19,7 @@
 //! let path = std::env::temp_dir().join(format!("nereus-port-{}.nmea", std::process::id()));
 //! let mut port = Port::open(Device::of(&format!("file:{}", path.display()), 4800)?, false)?;
 //! port.send(b"$GPHDT,274.5,T*37\r\n");
-//! assert_eq!((port.counts().messages, port.counts().lost_messages), (1, 0));
+//! assert_eq!((port.counts.messages, port.counts.lost_messages), (1, 0));
 //! # drop(port);
 //! # std::fs::remove_file(path)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -441,16 +441,6 @@ impl Port {
         self.counts.lost_bytes += self.held.len() as u64;
     }
 
-    /// What became of the messages so far.
-    pub fn counts(&self) -> &PortCounts {
-        &self.counts
-    }
-
-    /// Where it is.
-    pub fn device(&self) -> &Device {
-        &self.device
-    }
-
     fn vanish(&mut self) {
         self.link = None;
         self.counts.vanished += 1;
@@ -500,17 +490,17 @@ mod tests {
             port.send(&[i; 100]);
         }
         // 150 bytes taken; 40 messages fit into 4096 bytes beside the half one.
-        assert_eq!(port.counts().messages, 42);
-        assert_eq!((port.counts().lost_messages, port.counts().lost_bytes), (18, 1800));
+        assert_eq!(port.counts.messages, 42);
+        assert_eq!((port.counts.lost_messages, port.counts.lost_bytes), (18, 1800));
         room.lock().unwrap().0 = 1_000_000;
         port.send(&[60; 100]);
         let taken = got.lock().unwrap().clone();
-        assert_eq!(taken.len() as u64, port.counts().bytes);
+        assert_eq!(taken.len() as u64, port.counts.bytes);
         assert!(taken.chunks(100).all(|chunk| chunk.iter().all(|byte| *byte == chunk[0])));
         // It breaks with 70 bytes waiting.
         *room.lock().unwrap() = (30, true);
         port.send(&[61; 100]);
-        assert_eq!((port.counts().vanished, port.counts().lost_bytes), (1, 1870));
+        assert_eq!((port.counts.vanished, port.counts.lost_bytes), (1, 1870));
         port.send(&[62; 100]);
         let counts = port.finish(Duration::ZERO).unwrap();
         assert_eq!((counts.lost_messages, counts.lost_bytes, counts.reopened), (19, 1970, 0));

@@ -4,8 +4,8 @@ use nereus::frames::{Earth, Enu, Point, SceneFrame, Vector};
 use nereus::motion::PlatformTracks;
 use nereus::motion::track::Track;
 use nereus::scene::radar::{
-    AntennaMount, Channel, Gate, Pattern, Pointing, Polarisation, Receiver, Sweep, Transmitter,
-    TxPolarisation, Waveform, Window,
+    AntennaMount, Channel, Gate, Pattern, Pointing, Polarisation, Receiver, Sweep, Transmitter, Waveform,
+    Window,
 };
 use nereus::scene::{Radar, Scene, Target};
 use nereus::time::{PulseTimes, TimeTag};
@@ -52,22 +52,17 @@ pub fn scene(window_start_s: f64, samples: usize, prf_hz: f64, pulses: u64, targ
         seed: 11,
         platforms: vec!["tx".into(), "rx".into()],
         radar: Radar {
-            carrier_hz: CARRIER_HZ,
-            sample_rate_hz: RATE_HZ,
-            waveform: Waveform::Lfm { bandwidth_hz: BANDWIDTH_HZ, duration_s: PULSE_S, sweep: Sweep::Up },
-            emissions: PulseTimes::uniform(prf_hz).unwrap(),
-            tx_polarisation: TxPolarisation::Simultaneous,
-            window: Window { samples, gate: Gate::Fixed { start_s: window_start_s } },
             losses_db: 3.0,
-            atmosphere_db_per_km: 0.0,
-            rain_mmph: 0.0,
-            rain_clutter: None,
-            noise_figure_db: None,
-            adc: None,
-            direct_path: false,
             transmitters: vec![Transmitter { name: "t".into(), power_w: POWER_W, antenna: mount(0) }],
             receivers: vec![Receiver { name: "r".into(), antenna: mount(1) }],
             channels: vec![channel("HH", Polarisation::H), channel("VV", Polarisation::V)],
+            ..Radar::new(
+                CARRIER_HZ,
+                RATE_HZ,
+                Waveform::Lfm { bandwidth_hz: BANDWIDTH_HZ, duration_s: PULSE_S, sweep: Sweep::Up },
+                PulseTimes::uniform(prf_hz).unwrap(),
+                Window { samples, gate: Gate::Fixed { start_s: window_start_s } },
+            )
         },
         sea: None,
         ships: Vec::new(),

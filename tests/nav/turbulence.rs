@@ -6,9 +6,10 @@ use nereus::frames::{Earth, Point, SceneFrame, Vector};
 use nereus::motion::errors::Circumstances;
 use nereus::motion::gusts::Gusts;
 use nereus::motion::track::TurbulenceFault;
-use nereus::motion::track::turbulence::{Axis, Chain, FOOT_M, strength};
+use nereus::motion::track::turbulence::{Axis, Chain, strength};
 use nereus::motion::{SourceError, Track};
 use nereus::time::{PulseTimes, TimeTag};
+use nereus::units::FOOT_M;
 use proptest::prelude::*;
 
 const SAMPLES: usize = 100_000;

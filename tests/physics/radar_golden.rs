@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use nereus::frames::{Earth, Geodetic, SceneFrame, Vector};
-use nereus::geometry::light_time::{LightTime, bistatic, carrier_cycles};
+use nereus::geometry::light_time::{LightTime, bistatic};
 use nereus::motion::pointing::PhaseCentre;
 use nereus::radar::antenna::Antenna;
 use nereus::time::PulseTimes;
@@ -98,7 +98,10 @@ fn echo_delays() {
         let path = bistatic(LightTime::Exact, &tx, at, s.velocity, &rx);
         let standing = bistatic(LightTime::StopAndGo, &tx, at, s.velocity, &rx);
         let turn = std::f64::consts::TAU;
-        let phase_error = (carrier_cycles(f0, path.delay_s) * turn - phase).rem_euclid(turn);
+        // Without the rounding of the product.
+        let cycles = f0 * path.delay_s;
+        let cycles = cycles.fract() + f0.mul_add(path.delay_s, -cycles);
+        let phase_error = (cycles * turn - phase).rem_euclid(turn);
         // The record of the whole way gives the same.
         let (_, record) = evaluate(&scene, &generator, pulse);
         assert_eq!(record.target_delay_s[k], path.delay_s);

@@ -63,19 +63,6 @@ pub fn scene() -> Scene {
         seed: 1,
         platforms: vec!["a".into(), "b".into()],
         radar: Radar {
-            carrier_hz: 10e9,
-            sample_rate_hz: 100e6,
-            waveform: Waveform::Lfm { bandwidth_hz: 60e6, duration_s: PULSE_S, sweep: Sweep::Up },
-            emissions: PulseTimes::uniform(222.0).unwrap(),
-            tx_polarisation: TxPolarisation::Simultaneous,
-            window: Window { samples: 100_000, gate: Gate::Fixed { start_s: 0.0 } },
-            losses_db: 0.0,
-            atmosphere_db_per_km: 0.0,
-            rain_mmph: 0.0,
-            rain_clutter: None,
-            noise_figure_db: None,
-            adc: None,
-            direct_path: false,
             transmitters: vec![Transmitter {
                 name: "tx".into(),
                 power_w: 1.0,
@@ -83,6 +70,13 @@ pub fn scene() -> Scene {
             }],
             receivers: vec![Receiver { name: "rx".into(), antenna: pointed_at(1, [0.0; 3]) }],
             channels: channels(&[(H, H), (H, V), (V, H), (V, V)]),
+            ..Radar::new(
+                10e9,
+                100e6,
+                Waveform::Lfm { bandwidth_hz: 60e6, duration_s: PULSE_S, sweep: Sweep::Up },
+                PulseTimes::uniform(222.0).unwrap(),
+                Window { samples: 100_000, gate: Gate::Fixed { start_s: 0.0 } },
+            )
         },
         sea: None,
         ships: Vec::new(),
@@ -117,16 +111,7 @@ pub fn evaluate(scene: &Scene, generator: &PathGenerator, index: u64) -> (Scatte
 
 pub fn buffers(scene: &Scene) -> (ScattererPaths, Pulse) {
     let pairs = scene.radar.pairs().len();
-    let layout = Layout {
-        channels: scene.radar.channels.len(),
-        samples: 1,
-        format: SampleFormat::Cf32,
-        platforms: scene.platforms.len(),
-        antennas: scene.radar.transmitters.len() + scene.radar.receivers.len(),
-        targets: scene.targets.len(),
-        pairs,
-        ships: 0,
-        clocks: 0,
-    };
+    let layout = scene.radar.layout(scene.platforms.len(), scene.targets.len());
+    let layout = Layout { samples: 1, format: SampleFormat::Cf32, ..layout };
     (ScattererPaths::new(pairs, layout.channels, 64), Pulse::new(&layout))
 }

@@ -5,7 +5,7 @@ use nereus::pulse::{Layout, Pulse, SampleFormat, Samples};
 use nereus::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use nereus::radar::receiver::Receiver;
 use nereus::scene::Radar;
-use nereus::scene::radar::{Adc, Gate, Sweep, TxPolarisation, Waveform, Window};
+use nereus::scene::radar::{Adc, Gate, Sweep, Waveform, Window};
 use nereus::time::PulseTimes;
 use num_complex::{Complex32, Complex64};
 
@@ -14,37 +14,20 @@ pub const FS_HZ: f64 = 100e6;
 /// A radar that is all receiver.
 pub fn radar(window_samples: usize, noise_figure_db: Option<f64>, adc: Option<Adc>) -> Radar {
     Radar {
-        carrier_hz: 10e9,
-        sample_rate_hz: FS_HZ,
-        waveform: Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
-        emissions: PulseTimes::uniform(222.0).unwrap(),
-        tx_polarisation: TxPolarisation::Simultaneous,
-        window: Window { samples: window_samples, gate: Gate::Fixed { start_s: 0.0 } },
-        losses_db: 0.0,
-        atmosphere_db_per_km: 0.0,
-        rain_mmph: 0.0,
-        rain_clutter: None,
         noise_figure_db,
         adc,
-        direct_path: false,
-        transmitters: Vec::new(),
-        receivers: Vec::new(),
-        channels: Vec::new(),
+        ..Radar::new(
+            10e9,
+            FS_HZ,
+            Waveform::Lfm { bandwidth_hz: 60e6, duration_s: 0.333e-6, sweep: Sweep::Up },
+            PulseTimes::uniform(222.0).unwrap(),
+            Window { samples: window_samples, gate: Gate::Fixed { start_s: 0.0 } },
+        )
     }
 }
 
 pub fn slot(channels: usize, samples: usize, format: SampleFormat) -> Pulse {
-    Pulse::new(&Layout {
-        channels,
-        samples,
-        format,
-        platforms: 0,
-        antennas: 0,
-        targets: 0,
-        pairs: 0,
-        ships: 0,
-        clocks: 0,
-    })
+    Pulse::new(&Layout { channels, samples, format, ..Layout::default() })
 }
 
 pub fn cf32(pulse: &Pulse) -> &[Complex32] {

@@ -1,12 +1,10 @@
-//! Batches of facets: means over random phases, frozen and forgotten phases, the tabulated spectrum, bad
-//! lengths.
+//! Batches of facets: means over random phases, frozen and forgotten phases, bad lengths.
 
 use glam::DVec3;
 use nereus::scattering::facets::{Facets, LengthError, Phases};
 use nereus::scattering::kind::clean::Clean;
 use nereus::scattering::kind::slick::Slick;
 use nereus::scattering::speckle::Speckle;
-use nereus::scattering::spectrum_table::SpectrumTable;
 use nereus::scattering::tilt::Path;
 use nereus::scattering::two_scale::{Settings, TwoScale};
 use num_complex::Complex64;
@@ -157,59 +155,6 @@ fn forgetting_follows_its_law() {
         // |gamma|^2 varies by its mean; 4 deviations of the mean of N.
         assert!((covariance - expected).norm() < 4.0 * 2f64.sqrt() / (facets as f64).sqrt());
     }
-}
-
-#[test]
-fn tabulated_spectrum_stays_within_its_word() {
-    let psi = spectrum().as_psi();
-    let exact = TwoScale::new(Settings::default(), medium(DVec3::X), Slick::default(), psi);
-    let table = SpectrumTable::for_bragg(psi, medium(DVec3::X).wavenumber_radpm(), exact.cut_radpm());
-    let quick =
-        TwoScale::new(Settings::default(), medium(DVec3::X), Slick::default(), |x, y| table.psi(x, y));
-    let mut draws = ChaCha8Rng::seed_from_u64(6);
-    let (mut power, mut difference, mut worst) = (0.0, 0.0, 0.0f64);
-    for _ in 0..20_000 {
-        let path = Path::new(-upwards(&mut draws, 1.5), upwards(&mut draws, 1.5));
-        let slopes = (uniform(&mut draws, -0.3, 0.3), uniform(&mut draws, -0.3, 0.3));
-        let (a, b) = (exact.response(&path, slopes, 0.4), quick.response(&path, slopes, 0.4));
-        for (a, b) in a.bragg()[0].iter().flatten().zip(b.bragg()[0].iter().flatten()) {
-            power += a.norm_sqr();
-            difference += (a - b).norm_sqr();
-            if a.norm() > 0.0 {
-                worst = worst.max((a - b).norm() / a.norm());
-            }
-        }
-    }
-    let relative_db = 10.0 * (difference / power).log10();
-    let word = table.worst_relative_error();
-    println!(
-        "spectrum table: {} harmonics, own word {word:.1e}, Bragg {relative_db:.0} dB, worst {worst:.1e}",
-        table.harmonics()
-    );
-    // An amplitude is a root of the spectrum: half its relative error, and the word is taken midway between
-    // nodes, where the cubic is worst.
-    assert!(worst <= word && word < 1e-6);
-    // 20 dB below the -66 dB that the error budget gives to gain and scattering together.
-    assert!(relative_db < -86.0);
-}
-
-#[test]
-fn many_harmonics_are_kept() {
-    // A narrow sea (cos^16, symmetrised) has eight even harmonics.
-    let psi = |x: f64, y: f64| {
-        let k2 = x * x + y * y;
-        1e-3 / (k2 * k2) * (x * x / k2).powi(8)
-    };
-    let table = SpectrumTable::new(psi, 20.0, 400.0);
-    assert_eq!(table.harmonics(), 8);
-    // Off its axis the true value is as small as 1e-21 of the crest: compared with the crest, 20 sums of
-    // 1e-16.
-    for (x, y) in [(100.0, 0.0), (100.0, 30.0), (80.0, -80.0), (3.0, 90.0), (-50.0, 50.0)] {
-        let crest = psi(f64::hypot(x, y), 0.0);
-        assert!((table.psi(x, y) - psi(x, y)).abs() < 1e-9 * crest, "{x} {y}");
-    }
-    // Outside: the spectrum itself.
-    assert_eq!(table.psi(3.0, 4.0), psi(3.0, 4.0));
 }
 
 #[test]

@@ -60,14 +60,8 @@ fn swell_runs_under_a_calm() {
         profile: WindProfile::Cardone,
         direction_rad: 0.0,
     };
-    let water = Water {
-        wind,
-        spectrum: SpectrumKind::Elfouhaily { development: Development::default() },
-        swell: vec![swell],
-        dispersion: DEEP,
-        temperature_c: 20.0,
-        salinity_psu: 35.0,
-    };
+    let elfouhaily = SpectrumKind::Elfouhaily { development: Development::default() };
+    let water = Water { swell: vec![swell], dispersion: DEEP, ..Water::new(wind, elfouhaily) };
     let spectrum = of_water(&water, &Wind::resolve(&water.wind).unwrap()).unwrap();
     let height_m = Moments::of(spectrum.as_ref(), [1e-3, 10.0]).significant_height_m();
     // Simpson over 300 points of the peak: far better than 1e-6.

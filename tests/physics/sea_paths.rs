@@ -20,18 +20,9 @@ use super::radar_scenes::{PULSE_S, buffers, channels, evaluate, point, scene, st
 pub fn sea(n: usize, facet_m: f64, direction_rad: f64) -> Sea {
     let strength = WindStrength::Speed { speed_mps: 8.0, height_m: 10.0 };
     let side_m = n as f64 * facet_m;
+    let wind = WindGiven { strength, profile: WindProfile::Cardone, direction_rad };
+    let water = Water::new(wind, SpectrumKind::Elfouhaily { development: Development::default() });
     Sea {
-        water: Water {
-            wind: WindGiven { strength, profile: WindProfile::Cardone, direction_rad },
-            spectrum: SpectrumKind::Elfouhaily { development: Development::default() },
-            swell: Vec::new(),
-            dispersion: Dispersion::default(),
-            temperature_c: 20.0,
-            salinity_psu: 35.0,
-        },
-        realisation: Realisation::Drawn { averaging: Averaging::Automatic },
-        patch: Patch::new([side_m, side_m], facet_m, [0.0, 0.0]).unwrap(),
-        place: PatchPlace::Fixed,
         waves: Waves::Linear,
         scattering: FacetScattering {
             tilt_average: false,
@@ -39,9 +30,7 @@ pub fn sea(n: usize, facet_m: f64, direction_rad: f64) -> Sea {
             modulation: Modulation::Off,
             ..FacetScattering::default()
         },
-        shadow: None,
-        slicks: Vec::new(),
-        land: None,
+        ..Sea::new(water, Patch::new([side_m, side_m], facet_m, [0.0, 0.0]).unwrap())
     }
 }
 

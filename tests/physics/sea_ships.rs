@@ -3,7 +3,7 @@
 use nereus::motion::PlatformTracks;
 use nereus::paths::PathGenerator;
 use nereus::paths::list::ScattererPaths;
-use nereus::scattering::water::{Sight, SpectrumPath, WaterScattering};
+use nereus::scattering::water::{Sight, WaterScattering};
 use nereus::scene::Scene;
 use nereus::scene::radar::{Aim, AimFrom};
 use nereus::scene::sea::{PatchPlace, Shadowing};
@@ -148,7 +148,7 @@ fn short_waves_brighten_a_narrow_v() {
     let realised = realise(sea, scene.seed).unwrap();
     let carrier_hz = scene.radar.carrier_hz;
     let short_waves = fleet::short_waves(&scene.ships, 1.0, 60.0).unwrap();
-    let sight = Sight { carrier_hz, seed: 1, spectrum: SpectrumPath::Exact };
+    let sight = Sight { carrier_hz, seed: 1 };
     let water = WaterScattering::new(sea, &realised.wind, realised.spectrum.into(), &[], sight)
         .unwrap()
         .with_short_waves(short_waves);

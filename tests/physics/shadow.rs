@@ -1,7 +1,7 @@
 //! Visibility against closed forms, symmetries and a ray test written from the definition.
 
 use nereus::frames::{Earth, Enu, Point};
-use nereus::geometry::shadow::{Edge, LIFT, Map, Settings, Shadow, half_slope_change_rad};
+use nereus::geometry::shadow::{LIFT, Map, Settings, Shadow, half_slope_change_rad};
 use nereus::scene::water::{Development, Dispersion, WindProfile};
 use nereus::sea::spectrum::Elfouhaily;
 use nereus::sea::surface::{Averaging, Evaluator, Fields, Grid, Selection, Surface};
@@ -149,7 +149,7 @@ fn a_plane_never_shadows_itself() {
 #[test]
 fn a_plane_under_a_soft_edge_follows_the_grazing_angle() {
     let ground = Ground::new([12, 15], 2.0, |_, _| 0.0);
-    let settings = Settings { edge: Edge::Soft { width_rad: 0.05 }, rays_per_facet: 2 };
+    let settings = Settings { width_rad: 0.05, rays_per_facet: 2 };
     let mut worst = 0.0_f64;
     for tangent in [0.0, 1e-3, 0.01, 0.03, 0.06] {
         // Between two columns, far to the south.
@@ -307,7 +307,7 @@ fn clearances_agree_with_the_ray_test() {
             let ground = sea(side, seed, 0.0);
             let map = ground.map();
             let width_rad = half_slope_change_rad(&map);
-            let settings = Settings { edge: Edge::Soft { width_rad }, rays_per_facet };
+            let settings = Settings { width_rad, rays_per_facet };
             let (mut kink_m, mut step_m) = (0.0_f64, 0.0_f64);
             for i in 0..side {
                 for j in 1..side {
@@ -333,7 +333,7 @@ fn clearances_agree_with_the_ray_test() {
                 let terminal = ground.terminal(range_m, azimuth_deg, grazing_deg);
                 let (clearances_m, weights) =
                     (ground.clearances_m(settings, terminal), ground.weights(settings, terminal));
-                let sharp = ground.weights(Settings { edge: Edge::Sharp, ..settings }, terminal);
+                let sharp = ground.weights(Settings { width_rad: 0.0, ..settings }, terminal);
                 for facet in facets(&ground) {
                     let here = facet[1] * side + facet[0];
                     let share = share_of_y(&ground, terminal, facet);
@@ -398,7 +398,7 @@ fn weights_are_c1_in_time() {
     let side = 48;
     let (start, end) = (sea(side, 1, 0.0), sea(side, 1, 0.2));
     let settings = Settings::for_map(&start.map());
-    let Edge::Soft { width_rad } = settings.edge else { unreachable!() };
+    let width_rad = settings.width_rad;
     for azimuth_deg in [20.0, 130.0, 200.0] {
         let terminal = start.terminal(2e4, azimuth_deg, 1.5);
         let step = 0.02;
@@ -451,11 +451,11 @@ fn the_sharp_rule_is_the_limit_of_the_soft_one() {
         let terminal = ground.terminal(1e4, azimuth_deg, 2.0);
         let sharp = ground.weights(Settings::SHARP, terminal);
         assert!(sharp.iter().all(|&v| v == 0.0 || v == 1.0));
-        let none = Settings { edge: Edge::Soft { width_rad: 0.0 }, ..Settings::SHARP };
+        let none = Settings { width_rad: 0.0, ..Settings::SHARP };
         assert_eq!(ground.weights(none, terminal), sharp);
         let mut differing = [0, 0, 0];
         for (width_rad, differing) in [1e-1, 1e-3, 1e-12].into_iter().zip(&mut differing) {
-            let settings = Settings { edge: Edge::Soft { width_rad }, ..Settings::SHARP };
+            let settings = Settings { width_rad, ..Settings::SHARP };
             let weights = ground.weights(settings, terminal);
             *differing = facets(&ground)
                 .filter(|&at| {

@@ -1,7 +1,7 @@
 //! Visibility at the ends of what is legal, and the test that spares it.
 
 use nereus::frames::{Enu, Point};
-use nereus::geometry::shadow::{Edge, Map, Relief, Settings, Shadow, ShadowError};
+use nereus::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
 use proptest::prelude::*;
 
 use crate::shadow::{Ground, sea};
@@ -59,8 +59,7 @@ fn below_the_horizon_all_is_dark() {
     let ground = Ground::new([20, 20], 1.0, |_, _| 0.0);
     for depth_m in [300.0, 1e4] {
         let terminal = Point::new(ground.first_m[0] + 9.5, ground.first_m[1] - 1e5, -depth_m);
-        for settings in [Settings::SHARP, Settings { edge: Edge::Soft { width_rad: 0.1 }, ..Settings::SHARP }]
-        {
+        for settings in [Settings::SHARP, Settings { width_rad: 0.1, ..Settings::SHARP }] {
             let weights = ground.weights(settings, terminal);
             assert!(weights[..20].iter().all(|&v| v == 1.0));
             assert!(weights[20..].iter().all(|&v| v == 0.0));
@@ -174,15 +173,15 @@ fn faults_are_named() {
         "first facet at NaN m along y: it must be within 1e12 m of the origin"
     );
     let map = Map::new(&heights_m, [3, 2], 1.0, [0.0; 2]).unwrap();
-    let new = |edge, rays_per_facet| Shadow::<f64>::new([3, 2], Settings { edge, rays_per_facet });
+    let new = |width_rad, rays_per_facet| Shadow::<f64>::new([3, 2], Settings { width_rad, rays_per_facet });
     for width_rad in [-0.1, f64::NAN, f64::INFINITY] {
         assert_eq!(
-            new(Edge::Soft { width_rad }, 2).unwrap_err().to_string(),
+            new(width_rad, 2).unwrap_err().to_string(),
             format!("shadow edge of {width_rad} rad: allowed are 0 to 1000")
         );
     }
-    assert_eq!(new(Edge::Sharp, 0).unwrap_err().to_string(), "0 shadow rays per facet: allowed are 1 to 64");
-    let mut shadow = new(Edge::Sharp, 1).unwrap();
+    assert_eq!(new(0.0, 0).unwrap_err().to_string(), "0 shadow rays per facet: allowed are 1 to 64");
+    let mut shadow = new(0.0, 1).unwrap();
     let origin = Point::new(0.0, 0.0, 1.0);
     assert_eq!(
         shadow.weights(&map, origin, &mut [0.0; 5]).unwrap_err().to_string(),
@@ -238,7 +237,7 @@ fn case(height: impl Strategy<Value = f64> + Clone + 'static) -> impl Strategy<V
 
 fn weights_of((facets, heights_m, facet_m, [x, y, z], width_rad, rays_per_facet): Case) -> Vec<f64> {
     let ground = Ground { heights_m, facets, facet_m, first_m: [0.0, 0.0] };
-    let settings = Settings { edge: Edge::Soft { width_rad }, rays_per_facet };
+    let settings = Settings { width_rad, rays_per_facet };
     let terminal: Point<Enu> = Point::new(x, y, z);
     let relief = Relief::of(&ground.map());
     let weights = ground.weights(settings, terminal);
@@ -262,7 +261,7 @@ proptest! {
     fn heights_that_are_no_numbers_never_give_nan(case in case(height())) {
         let (facets, heights_m, facet_m, [x, y, z], width_rad, rays_per_facet) = case;
         let ground = Ground { heights_m, facets, facet_m, first_m: [0.0, 0.0] };
-        let settings = Settings { edge: Edge::Soft { width_rad }, rays_per_facet };
+        let settings = Settings { width_rad, rays_per_facet };
         for v in ground.weights(settings, Point::new(x, y, z)) {
             prop_assert!((0.0..=1.0 + 1e-15).contains(&v));
         }

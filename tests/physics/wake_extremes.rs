@@ -30,8 +30,8 @@ fn slow_ships_have_no_wake() {
     assert_eq!(away.presence(), Presence::BandLimited);
     // No presence: no waves, and a map is left as it was.
     let patch = Patch::new([32.0, 32.0], 1.0, [-60.0, 0.0]).unwrap();
-    let (grid, fields) = map_of::<f64>(vec![away], &patch, -100.0, 0.0);
-    assert_eq!(fields, Fields::new(&grid, Selection::ALL));
+    let fields = map_of::<f64>(vec![away], &patch, -100.0, 0.0);
+    assert_eq!(fields, Fields::new(&Grid::new(32, 32, 1.0).unwrap(), Selection::ALL));
 }
 
 #[test]
@@ -123,12 +123,12 @@ fn maps_of_one_facet_and_of_one_row() {
     let wake = wake(SHIP, course, &settings(1.0));
     for facets in [[1, 1], [1, 7], [13, 1], [2, 3]] {
         let patch = Patch { facets, facet_m: 1.0, first: [-90, -11] };
-        let (grid, fields) = map_of::<f64>(vec![wake.clone()], &patch, -200.0, 1.0);
+        let fields = map_of::<f64>(vec![wake.clone()], &patch, -200.0, 1.0);
         for ix in 0..facets[0] as i64 {
             for iy in 0..facets[1] as i64 {
                 let key = [ix - 90, iy - 11];
                 let sum = wake.at(patch.centre_m(key), 1.0).unwrap();
-                let i = grid.index(key);
+                let i = patch.nearest_index(key);
                 // -190 dB of metres.
                 assert!((fields.height_m[i] - sum.height_m).abs() < 1e-9, "{facets:?}");
                 assert!((fields.slope_rate_per_s[1][i] - sum.slope_rate_per_s[1]).abs() < 1e-9, "{facets:?}");
@@ -182,7 +182,7 @@ proptest! {
             Err(WakeError::Nodes { needed, .. }) => prop_assert!(needed > 2e5),
             Err(other) => prop_assert!(false, "{}", other),
             Ok(wake) => {
-                let (_, fields) = map_of::<f64>(vec![wake], &patch, -80.0, time_s);
+                let fields = map_of::<f64>(vec![wake], &patch, -80.0, time_s);
                 for (name, field) in all(&fields) {
                     prop_assert!(field.iter().all(|v| v.is_finite()), "{}", name);
                 }

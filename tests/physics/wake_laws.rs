@@ -5,9 +5,8 @@ use std::path::PathBuf;
 
 use nereus::scene::Patch;
 use nereus::sea::GRAVITY_MPS2;
-use nereus::sea::surface::{Fields, Selection};
 use nereus::sea::wake::nodes::Band;
-use nereus::sea::wake::{Course, Map, Reach, Settings, Upstream, Wake, Wigley};
+use nereus::sea::wake::{Course, Reach, Settings, Upstream, Wake, Wigley};
 use num_complex::Complex64;
 
 use crate::wake_map::{SHIP, all, map_of, wake};
@@ -36,13 +35,13 @@ fn the_cusp_lies_at_kelvins_angle() {
     let speed_mps = 9.0;
     let patch = Patch { facets: [1024, 512], facet_m: 4.0, first: [-1100, -20] };
     let wake = eastward(speed_mps, &patch, None, Upstream::RaisedCosine);
-    let (grid, fields) = map_of::<f64>(vec![wake], &patch, -100.0, 0.0);
+    let fields = map_of::<f64>(vec![wake], &patch, -100.0, 0.0);
     // Height and vertical velocity are in quadrature, and there is one frequency at the cusp: V k0 sqrt(1.5).
     let omega = GRAVITY_MPS2 / speed_mps * 1.5f64.sqrt();
     let mut points = Vec::new();
     for ix in (-1100i64..-300).step_by(5) {
         let envelope = |iy: i64| {
-            let i = grid.index([ix, iy]);
+            let i = patch.nearest_index([ix, iy]);
             fields.height_m[i].hypot(fields.velocity_mps[2][i] / omega)
         };
         // From outside inwards, the first crest of the envelope.
@@ -67,8 +66,8 @@ fn transverse_waves_have_kelvins_length() {
         let facet_m = speed_mps * speed_mps / 81.0;
         let patch = Patch { facets: [4000, 1], facet_m, first: [-4400, 0] };
         let wake = eastward(speed_mps, &patch, None, Upstream::RaisedCosine);
-        let (grid, fields) = map_of::<f64>(vec![wake], &patch, -100.0, 0.0);
-        let height = |ix: i64| fields.height_m[grid.index([ix, 0])];
+        let fields = map_of::<f64>(vec![wake], &patch, -100.0, 0.0);
+        let height = |ix: i64| fields.height_m[patch.nearest_index([ix, 0])];
         let upward: Vec<f64> = (-4400..-401)
             .filter(|&ix| height(ix) <= 0.0 && height(ix + 1) > 0.0)
             .map(|ix| facet_m * (ix as f64 - height(ix) / (height(ix + 1) - height(ix))))
@@ -128,9 +127,10 @@ fn a_cut_across_the_wake_carries_the_resistance() {
         let cutoff_rad_m = 0.7;
         let patch = Patch { facets: [1, 2048], facet_m: 1.0, first: [-1500, -1024] };
         let wake = eastward(speed_mps, &patch, Some(cutoff_rad_m), Upstream::Symmetric);
-        let (grid, fields) = map_of::<f64>(vec![wake], &patch, -140.0, 0.0);
-        let cut =
-            |field: &[f64]| -> Vec<f64> { (-1024..1024).map(|iy| field[grid.index([-1500, iy])]).collect() };
+        let fields = map_of::<f64>(vec![wake], &patch, -140.0, 0.0);
+        let cut = |field: &[f64]| -> Vec<f64> {
+            (-1024..1024).map(|iy| field[patch.nearest_index([-1500, iy])]).collect()
+        };
         let by_cut = resistance_by_cut_n(speed_mps, &cut(&fields.height_m), &cut(&fields.slope[0]), 1.0);
         let by_amplitude = resistance_by_amplitude_n(SHIP, speed_mps, Some(Band { cutoff_rad_m }));
         println!("{speed_mps} m/s: resistance {by_cut:.2} N by the cut, {by_amplitude:.2} N by |A|^2");
@@ -181,13 +181,13 @@ fn a_map_moves_with_its_ship() {
     let course = Course::straight([20.0, 3.0], 0.0, 9.0);
     let reach = Reach::of(&patch, &course, [0.0, 1.0]).unwrap();
     let wake = wake(SHIP, course, &Settings::new(1.0, reach));
-    let (grid, before) = map_of::<f64>(vec![wake.clone()], &patch, -200.0, 0.2);
-    let (_, after) = map_of::<f64>(vec![wake], &patch, -200.0, 0.2 + 1.0 / 9.0);
+    let before = map_of::<f64>(vec![wake.clone()], &patch, -200.0, 0.2);
+    let after = map_of::<f64>(vec![wake], &patch, -200.0, 0.2 + 1.0 / 9.0);
     for ((name, before), (_, after)) in all(&before).into_iter().zip(all(&after)) {
         let largest = before.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         for iy in -50..70 {
             for ix in -140..59 {
-                let change = after[grid.index([ix + 1, iy])] - before[grid.index([ix, iy])];
+                let change = after[patch.nearest_index([ix + 1, iy])] - before[patch.nearest_index([ix, iy])];
                 // Both maps are within -190 dB of the sum (see `maps_agree_with_the_direct_sum`).
                 assert!(change.abs() < 2.0 * 3.2e-10 * largest, "{name} at {ix}, {iy}: {change:e}");
             }
@@ -200,14 +200,14 @@ fn a_patch_that_follows_sees_the_same_water() {
     let patch = Patch::new([64.0, 64.0], 1.0, [-40.0, 10.0]).unwrap();
     let course = Course::straight([20.0, 3.0], 0.4, 9.0);
     let wake = wake(SHIP, course, &Settings::new(1.0, Reach::disc(300.0)));
-    let (grid, here) = map_of::<f64>(vec![wake.clone()], &patch, -200.0, 0.2);
-    let mut there = Fields::<f64>::new(&grid, Selection::ALL);
-    let first = [patch.first[0] + 17, patch.first[1] - 9];
-    Map::new(vec![wake], &patch, -200.0).unwrap().add(first, 0.2, &mut there).unwrap();
-    for ix in first[0]..patch.first[0] + 64 {
-        for iy in patch.first[1]..first[1] + 64 {
-            let i = grid.index([ix, iy]);
-            assert!((here.height_m[i] - there.height_m[i]).abs() < 1e-9);
+    let here = map_of::<f64>(vec![wake.clone()], &patch, -200.0, 0.2);
+    let moved = Patch { first: [patch.first[0] + 17, patch.first[1] - 9], ..patch };
+    let there = map_of::<f64>(vec![wake], &moved, -200.0, 0.2);
+    for ix in moved.first[0]..patch.first[0] + 64 {
+        for iy in patch.first[1]..moved.first[1] + 64 {
+            let [here, there] = [(&patch, &here), (&moved, &there)]
+                .map(|(patch, fields)| fields.height_m[patch.nearest_index([ix, iy])]);
+            assert!((here - there).abs() < 1e-9);
         }
     }
 }
@@ -266,11 +266,11 @@ fn fields_are_derivatives_of_height_and_displacement() {
 fn nothing_stands_ahead_of_the_bow() {
     let patch = Patch::new([400.0, 100.0], 2.0, [100.0, 0.0]).unwrap();
     let wake = eastward(9.0, &patch, None, Upstream::RaisedCosine);
-    let (grid, fields) = map_of::<f64>(vec![wake], &patch, -100.0, 0.0);
+    let fields = map_of::<f64>(vec![wake], &patch, -100.0, 0.0);
     for (name, field) in all(&fields) {
         for iy in patch.first[1]..patch.first[1] + 50 {
             for ix in 25..patch.first[0] + 200 {
-                assert_eq!(field[grid.index([ix, iy])], 0.0, "{name} at {ix}, {iy}");
+                assert_eq!(field[patch.nearest_index([ix, iy])], 0.0, "{name} at {ix}, {iy}");
             }
         }
         assert!(field.iter().any(|v| *v != 0.0), "{name}");

@@ -210,7 +210,7 @@ fn the_figures_of_the_page() {
     let kind = SpectrumKind::Elfouhaily { development: Development::default() };
     let sea = of_kind(&kind, &wind).unwrap();
     let astern_m = 500.0;
-    let strip = TurbulentStrip::new(hull.length_m(), hull.beam_m()).unwrap();
+    let strip = TurbulentStrip::with(hull.length_m(), hull.beam_m(), 5.0, 20.0 * hull.length_m()).unwrap();
     let half_strip_m = 0.5 * strip.width_m(astern_m - 50.0);
     let mut missing = Vec::new();
     for speed_mps in [4.5, 9.0] {

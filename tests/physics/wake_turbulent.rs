@@ -1,13 +1,11 @@
-//! The turbulent strip: golden widths, its outline, its cover of a patch, what it does to the spectrum.
+//! The turbulent strip: golden widths, its outline, what it does to the spectrum.
 
 use nereus::scattering::kind::turbulent_wake::{RatioError, TurbulentWake, WIND_RATIO};
 use nereus::scattering::kind::{Kind, clean::Clean};
 use nereus::scattering::slope_pdf::MeanSquareSlope;
-use nereus::scene::Patch;
 use nereus::scene::water::{Development, WindProfile};
 use nereus::sea::spectrum::{Elfouhaily, Spectrum, WaveVector};
-use nereus::sea::surface::Grid;
-use nereus::sea::wake::{Course, TurbulentStrip, WakeError};
+use nereus::sea::wake::TurbulentStrip;
 use nereus::sea::wind::Wind;
 use proptest::prelude::*;
 
@@ -26,7 +24,7 @@ fn widths_of_the_golden_table() {
 
 #[test]
 fn the_outline_has_half_the_cover_and_the_edge_a_tenth_of_the_width() {
-    let strip = TurbulentStrip::new(100.0, 13.0).unwrap();
+    let strip = TurbulentStrip::with(100.0, 13.0, 5.0, 2000.0).unwrap();
     for behind_m in [1.0, 40.0, 400.0, 3000.0] {
         let (half_m, decay) = (0.5 * strip.width_m(behind_m), (-behind_m / 2000.0f64).exp());
         let onset = 0.5 - 0.5 * (std::f64::consts::PI * (behind_m / 13.0).min(1.0)).cos();
@@ -43,45 +41,6 @@ fn the_outline_has_half_the_cover_and_the_edge_a_tenth_of_the_width() {
     for astern_m in [50.0, 49.0, 0.0, -500.0, f64::NAN] {
         assert_eq!(strip.cover([astern_m, 0.0]), 0.0);
     }
-}
-
-#[test]
-fn strips_join_on_a_patch() {
-    let patch = Patch::new([600.0, 300.0], 2.0, [-250.0, 40.0]).unwrap();
-    let grid = Grid::new(300, 150, 2.0).unwrap();
-    let strip = TurbulentStrip::new(100.0, 13.0).unwrap();
-    let courses = [Course::straight([-80.0, 10.0], 0.2, 6.0), Course::straight([-200.0, 100.0], 1.9, 9.0)];
-    let mut cover = vec![0.0f64; grid.len()];
-    for course in &courses {
-        strip.join(course, 11.0, &patch, &mut cover).unwrap();
-    }
-    let (mut one, mut both) = (0, 0);
-    for ix in 0..300 {
-        for iy in 0..150 {
-            let key = [patch.first[0] + ix, patch.first[1] + iy];
-            let own = courses.map(|course| {
-                // Along and across the course, from where the ship is after 11 s.
-                let (sin, cos) = course.heading_rad.sin_cos();
-                let [x, y] = patch.centre_m(key);
-                let x = x - course.position_m[0] - 11.0 * course.speed_mps * cos;
-                let y = y - course.position_m[1] - 11.0 * course.speed_mps * sin;
-                strip.cover([-x * cos - y * sin, x * sin - y * cos])
-            });
-            let joint = own[0] + own[1] - own[0] * own[1];
-            assert!((cover[grid.index(key)] - joint).abs() < 1e-12);
-            one += usize::from(joint > 0.0);
-            both += usize::from(own[0] * own[1] > 0.0);
-        }
-    }
-    assert!(one > 1000 && both > 10, "{one} {both}");
-    // At rest a ship stirs nothing; a fast turn is refused; so is a wrong size.
-    let rest = Course::straight([-80.0, 10.0], 0.2, 0.0);
-    let before = cover.clone();
-    strip.join(&rest, 0.0, &patch, &mut cover).unwrap();
-    assert_eq!(cover, before);
-    let turning = Course { turn_rate_radps: 0.01, ..courses[0] };
-    assert!(matches!(strip.join(&turning, 0.0, &patch, &mut cover), Err(WakeError::Turn { .. })));
-    assert!(matches!(strip.join(&rest, 0.0, &patch, &mut cover[1..]), Err(WakeError::Surface(_))));
 }
 
 #[test]
@@ -133,7 +92,6 @@ fn the_spectrum_in_the_strip_is_that_of_a_weaker_wind() {
     let half = Clean.slopes(8.0).blend(stirred.slopes(8.0), 0.5);
     let mean = 0.5 * (MeanSquareSlope::cox_munk_clean(8.0).up + MeanSquareSlope::cox_munk_slick(8.0).up);
     assert!((half.up - mean).abs() < 1e-15);
-    assert_eq!(stirred.name(), "turbulent_wake");
 }
 
 proptest! {

@@ -53,19 +53,8 @@ fn one(
     use keys::calibration as k;
     names.take(&section, &k::NAME, &[]);
     let name = names.names.last().cloned().flatten();
-    let end = |key: &'static Key, of: &Names| {
-        if section.has(key) {
-            return of.find(&section, key);
-        }
-        section.name(key);
-        if of.names.len() > 1 {
-            let known: Vec<&str> = of.names.iter().flatten().map(String::as_str).collect();
-            section.fault(key, Problem::Missing { allowed: format!("one of {}", known.join(", ")) });
-        }
-        (of.names.len() == 1).then_some(0)
-    };
     let kind = section.choice(&k::KIND);
-    let receiver = end(&k::RECEIVER, receivers);
+    let receiver = receivers.find_among(&section, &k::RECEIVER);
     let power_dbw = section.number(&k::POWER_DBW);
     let phase_deg = section.number(&k::PHASE_DEG);
     let noise = section.flag(&k::NOISE);
@@ -84,7 +73,7 @@ fn one(
             offset_hz.map(|offset_hz| Signal::Tone { offset_hz })
         }
         Some(_) => {
-            let transmitter = end(&k::TRANSMITTER, transmitters);
+            let transmitter = transmitters.find_among(&section, &k::TRANSMITTER);
             let delay_s = section.number(&k::DELAY_S);
             if let (Some(delay_s), Some(window_s), Some(pulse_s)) = (delay_s, limits.window_s, limits.pulse_s)
                 && delay_s > window_s - pulse_s

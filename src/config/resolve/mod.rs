@@ -118,6 +118,20 @@ impl Names {
         found
     }
 
+    /// The same where the name may be left out, if there is only one. That there is none is
+    /// a fault elsewhere.
+    fn find_among(&self, section: &Section<'_>, key: &'static Key) -> Option<usize> {
+        if section.has(key) {
+            return self.find(section, key);
+        }
+        section.name(key);
+        if self.names.len() > 1 {
+            let known: Vec<&str> = self.names.iter().flatten().map(String::as_str).collect();
+            section.fault(key, Problem::Missing { allowed: format!("one of {}", known.join(", ")) });
+        }
+        (self.names.len() == 1).then_some(0)
+    }
+
     /// The same where the name may be left out, if there is only one.
     fn find_or_only(&self, section: &Section<'_>, key: &'static Key) -> Option<usize> {
         if section.has(key) {

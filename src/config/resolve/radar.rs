@@ -333,19 +333,8 @@ fn channels(section: &Section<'_>, antennas: &Antennas<'_>) -> Option<Vec<Channe
 fn channel(section: Section<'_>, antennas: &Antennas<'_>, names: &mut Names) -> Option<Channel> {
     use keys::channel::{NAME, POLARISATION, RECEIVER, TRANSMITTER};
     let polarisations = section.polarisations(&POLARISATION);
-    let end = |key, names: &Names| {
-        if section.has(key) {
-            return names.find(&section, key);
-        }
-        section.name(key);
-        if names.names.len() > 1 {
-            let known: Vec<&str> = names.names.iter().flatten().map(String::as_str).collect();
-            section.fault(key, Problem::Missing { allowed: format!("one of {}", known.join(", ")) });
-        }
-        (names.names.len() == 1).then_some(0)
-    };
-    let transmitter = end(&TRANSMITTER, antennas.transmitters);
-    let receiver = end(&RECEIVER, antennas.receivers);
+    let transmitter = antennas.transmitters.find_among(&section, &TRANSMITTER);
+    let receiver = antennas.receivers.find_among(&section, &RECEIVER);
     let written = section.has(&NAME);
     let name = if written {
         names.take(&section, &NAME, &[]);

@@ -104,11 +104,6 @@ impl<T: Scalar> Grids<T> {
         self.cells.reset(pulses * self.shape.pulse_len());
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.cells.as_slice())
-    }
-
     /// Splits the pulses in `count` shares of equal size (the last may be smaller; there may be fewer).
     pub fn shares(&mut self, count: usize) -> impl Iterator<Item = Share<'_, T>> {
         let pulse_len = self.shape.pulse_len().max(1);

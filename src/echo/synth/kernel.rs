@@ -101,11 +101,6 @@ impl Kernel {
         Ok(Self { width, coefficients })
     }
 
-    /// Width, cells.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
     /// Coefficients `[tap][part][term]` of the first half of the taps.
     pub(super) fn coefficients(&self) -> &[[[f64; MAX_TERMS]; 2]] {
         &self.coefficients

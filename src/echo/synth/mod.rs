@@ -359,11 +359,6 @@ impl<T: Scalar> Synth<T> {
         self.fft_len
     }
 
-    /// The instructions that were chosen.
-    pub fn variant(&self) -> Variant {
-        self.variant
-    }
-
     /// Carrier, Hz.
     pub fn carrier_hz(&self) -> f64 {
         self.carrier_hz

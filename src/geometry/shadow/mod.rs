@@ -17,8 +17,8 @@
 //!
 //! **Weight**, on the amplitude, one-way, 0 to 1, continuous with its first derivative in `c`:
 //!
-//! `v = smoothstep(c / (w dx))`, `smoothstep(s) = 3 s^2 - 2 s^3` on 0..1, or ([`Edge::Sharp`]) `v = 1` for
-//! `c > 0`, else 0.
+//! `v = smoothstep(c / (w dx))`, `smoothstep(s) = 3 s^2 - 2 s^3` on 0..1, or ([`Settings::SHARP`]) `v = 1`
+//! for `c > 0`, else 0.
 //!
 //! `c / dx` is the clearance as an angle seen across one facet, `w` the width of the edge in the same measure
 //! (a tangent, as slopes are). For a horizon one step away `c / dx` is the local grazing angle, and a facet
@@ -146,63 +146,43 @@ pub enum ShadowError {
     },
 }
 
-/// How a facet passes from full view to shadow.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Edge {
-    /// At once, as in the paper: illuminated if and only if nothing stands above the ray.
-    Sharp,
-    /// Over a range of clearance angles.
-    Soft {
-        /// Clearance, over the side of a facet, at which the weight reaches 1, rad. Zero is [`Edge::Sharp`].
-        width_rad: f64,
-    },
-}
-
-/// Weight of a clearance, m, over facets of a side.
-pub fn visible(clearance_m: f64, edge: Edge, facet_m: f64) -> f64 {
-    match edge {
-        Edge::Soft { width_rad } if width_rad > 0.0 => smoothstep(clearance_m / (width_rad * facet_m)),
-        _ => f64::from(u8::from(clearance_m > 0.0)),
+/// Weight of a clearance, m, over facets of a side, for a [`Settings::width_rad`].
+pub fn visible(clearance_m: f64, width_rad: f64, facet_m: f64) -> f64 {
+    if width_rad > 0.0 {
+        smoothstep(clearance_m / (width_rad * facet_m))
+    } else {
+        f64::from(u8::from(clearance_m > 0.0))
     }
 }
 
 /// How visibility is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// From full view to shadow.
-    pub edge: Edge,
+    /// Clearance, over the side of a facet, at which the weight reaches 1, rad. Zero: at once, as in the
+    /// paper: illuminated if and only if nothing stands above the ray.
+    pub width_rad: f64,
     /// Rays per facet across the line of sight; the error goes with its inverse square on smooth seas.
     pub rays_per_facet: usize,
 }
 
 impl Settings {
     /// The paper's binary rule, two rays per facet.
-    pub const SHARP: Self = Self { edge: Edge::Sharp, rays_per_facet: 2 };
+    pub const SHARP: Self = Self { width_rad: 0.0, rays_per_facet: 2 };
 
     /// The default: a soft edge as wide as half the slope change of a map ([`half_slope_change_rad`]), two
     /// rays per facet.
     pub fn for_map<T: Real>(map: &Map<T>) -> Self {
-        Self { edge: Edge::Soft { width_rad: half_slope_change_rad(map) }, ..Self::SHARP }
+        Self { width_rad: half_slope_change_rad(map), ..Self::SHARP }
     }
 
     fn check(self) -> Result<Self, ShadowError> {
         if !(1..=MAX_RAYS).contains(&self.rays_per_facet) {
             return Err(ShadowError::Rays { rays: self.rays_per_facet });
         }
-        match self.edge {
-            Edge::Soft { width_rad } if !(0.0..=WIDEST_RAD).contains(&width_rad) => {
-                Err(ShadowError::Width { width_rad })
-            }
-            _ => Ok(self),
+        if !(0.0..=WIDEST_RAD).contains(&self.width_rad) {
+            return Err(ShadowError::Width { width_rad: self.width_rad });
         }
-    }
-
-    fn width_rad(self) -> f64 {
-        match self.edge {
-            Edge::Sharp => 0.0,
-            Edge::Soft { width_rad } => width_rad,
-        }
+        Ok(self)
     }
 }
 
@@ -254,16 +234,6 @@ impl<'a, T: Real> Map<'a, T> {
         }
         check_place("first facet", &first_m)?;
         Ok(Self { heights_m, facets, facet_m, first_m })
-    }
-
-    /// Facets along x and y.
-    pub fn facets(&self) -> [usize; 2] {
-        self.facets
-    }
-
-    /// Side of a facet, m.
-    pub fn facet_m(&self) -> f64 {
-        self.facet_m
     }
 
     /// Horizontal place in facets from the first one.
@@ -347,7 +317,7 @@ impl Relief {
             let (least, most) = sector.lateral_range();
             let across = (most * self.fall[cross]).max(-least * self.rise[cross]).max(0.0);
             let between = self.rise[cross].max(self.fall[cross]) / settings.rays_per_facet.max(1) as f64;
-            above_m / (sector.last() * map.facet_m) >= down + across + between + settings.width_rad()
+            above_m / (sector.last() * map.facet_m) >= down + across + between + settings.width_rad
         };
         above_m > 0.0
             && [true, false]
@@ -423,18 +393,13 @@ impl<T: Real> Shadow<T> {
         })
     }
 
-    /// The settings it was made with.
-    pub fn settings(&self) -> Settings {
-        self.settings
-    }
-
     /// Visibility weights of all facets from an antenna, `[iy][ix]`, 0 to 1, into `out`.
     ///
     /// # Errors
     /// A map or an output of another size, an antenna out of range.
     pub fn weights(&mut self, map: &Map<T>, terminal: Point<Enu>, out: &mut [T]) -> Result<(), ShadowError> {
         let lift_m = LIFT * map.facet_m;
-        let width_m = self.settings.width_rad() * map.facet_m;
+        let width_m = self.settings.width_rad * map.facet_m;
         if width_m > 0.0 {
             self.march(map, terminal, out, |clearance_m| smoothstep((clearance_m + lift_m) / width_m))
         } else {

@@ -5,9 +5,9 @@ use std::io::Write;
 use hifitime::{Epoch, Unit};
 
 use super::super::decode::nmea::checksum;
-use super::super::epoch::KNOT_MPS;
 use super::super::solution::Solution;
 use super::{Sentence, lon_deg, tidy, turn_deg};
+use crate::units::KNOT_MPS;
 
 /// Steps of a position in a degree: 60 minutes of 1e8.
 const STEPS_PER_DEG: f64 = 60e8;

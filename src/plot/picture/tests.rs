@@ -168,7 +168,7 @@ proptest! {
             quantity: &label,
             masked: &label,
             scale_bar: Some("m"),
-            colours: [ColourMap::Deep, ColourMap::Swell, ColourMap::Grey][which],
+            colours: [ColourMap::Deep, ColourMap::Swell, ColourMap::Deep][which],
             limits: [Limits::Percentile(98.0), Limits::Percentile(100.0), Limits::Below { percent: 99.0, span: 30.0 }][which],
             reduction: [Reduction::Mean, Reduction::Nearest, Reduction::MeanPower][which],
             equal_aspect,

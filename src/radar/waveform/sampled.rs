@@ -110,11 +110,6 @@ impl Sampled {
             other => other,
         })
     }
-
-    /// The samples.
-    pub fn samples(&self) -> &[Complex64] {
-        &self.samples
-    }
 }
 
 fn check_rate(rate_hz: f64) -> Result<(), WaveformError> {

@@ -144,12 +144,6 @@ impl BraggLines {
         }
     }
 
-    /// Width of the cells that components of fixed frequency are drawn from, rad/s: a line is off by a part
-    /// of that.
-    pub fn step_radps(&self) -> f64 {
-        self.comb.step_radps()
-    }
-
     /// The lines of a mechanism for unit directions from the transmitter and to the receiver.
     #[inline]
     pub fn lines(&self, mechanism: Mechanism, incident: DVec3, scattered: DVec3) -> [Line; 2] {

@@ -1,7 +1,7 @@
 //! How many of the waves of a Bragg wave vector run along it, and how many against it.
 //!
 //! Scattering asks the symmetric spectrum; which of the two lines returns it says the directional one,
-//! `share(K) = Psi(K) / [Psi(K) + Psi(-K)]`. Both densities are means over [`WINDOW_RAD`] to either side,
+//! `share(K) = Psi(K) / [Psi(K) + Psi(-K)]`. Both densities are means over 15 degrees (5 rms) to either side,
 //! weighted by `(1 - x^2)^3`: two-fold spreadings keep the half of their waves that runs with the wind, and
 //! the edge of that half circle is a convention, not a step of the sea. The weights make the root of the
 //! share smooth where it ends, so that the fast echo may take it as straight over a block. Roots are
@@ -13,8 +13,6 @@ use super::group::{GROUP, Looks};
 use super::{octaves, octaves_f32, of_octaves};
 use crate::sea::spectrum::{Spectrum, WaveVector};
 
-/// Half the azimuths that are averaged, rad: 5 degrees rms.
-pub const WINDOW_RAD: f64 = TAU * WITHIN as f64 / AZIMUTHS as f64;
 /// Rows in an octave, and most rows.
 const ROWS_PER_OCTAVE: f64 = 6.0;
 const MOST_ROWS: usize = 128;

@@ -13,10 +13,6 @@ use crate::scattering::slope_pdf::{GramCharlier, MeanSquareSlope};
 pub struct Clean;
 
 impl Kind for Clean {
-    fn name(&self) -> &'static str {
-        "clean"
-    }
-
     #[inline]
     fn spectrum_factor(&self, _wavenumber_radpm: f64) -> f64 {
         1.0

@@ -21,8 +21,6 @@ use super::slope_pdf::{GramCharlier, MeanSquareSlope};
 
 /// A kind of surface.
 pub trait Kind {
-    /// Name, as a scenario writes it.
-    fn name(&self) -> &'static str;
     /// Factor on the clean spectrum at a wave number, rad/m: 0 to 1.
     fn spectrum_factor(&self, wavenumber_radpm: f64) -> f64;
     /// Slope variances of all waves, wind at 12.5 m.
@@ -32,10 +30,6 @@ pub trait Kind {
 }
 
 impl Kind for &dyn Kind {
-    fn name(&self) -> &'static str {
-        (**self).name()
-    }
-
     fn spectrum_factor(&self, wavenumber_radpm: f64) -> f64 {
         (**self).spectrum_factor(wavenumber_radpm)
     }

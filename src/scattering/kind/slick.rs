@@ -21,9 +21,8 @@
 
 use super::Kind;
 use crate::scattering::slope_pdf::{GramCharlier, MeanSquareSlope};
+use crate::sea::GRAVITY_MPS2;
 
-/// Gravity, m/s^2.
-const GRAVITY_MPS2: f64 = 9.81;
 /// Density of sea water, kg/m^3.
 const DENSITY_KGPM3: f64 = 1025.0;
 /// Kinematic viscosity of water at 20 degrees Celsius, m^2/s.
@@ -62,10 +61,6 @@ impl Slick {
 }
 
 impl Kind for Slick {
-    fn name(&self) -> &'static str {
-        "slick"
-    }
-
     #[inline]
     fn spectrum_factor(&self, wavenumber_radpm: f64) -> f64 {
         1.0 / self.relative_damping(wavenumber_radpm)

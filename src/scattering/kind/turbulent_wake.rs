@@ -85,10 +85,6 @@ impl TurbulentWake {
 }
 
 impl Kind for TurbulentWake {
-    fn name(&self) -> &'static str {
-        "turbulent_wake"
-    }
-
     #[inline]
     fn spectrum_factor(&self, wavenumber_radpm: f64) -> f64 {
         let place = (wavenumber_radpm.ln() - self.log_from) * self.values_per_unit;

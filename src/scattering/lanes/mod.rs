@@ -165,11 +165,6 @@ impl LaneWater {
     pub fn axis(&self) -> [f32; 2] {
         self.axis
     }
-
-    /// Largest relative error of the tabulated spectrum.
-    pub fn spectrum_error(&self) -> f64 {
-        self.table.worst_relative_error()
-    }
 }
 
 /// One kind of surface.

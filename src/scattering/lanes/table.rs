@@ -13,18 +13,28 @@
 //! the spectrum itself ([`BraggTable::with_spectrum`]), and every facet asks that, in f64: slower by its
 //! cost, and right.
 
+use std::f64::consts::PI;
 use std::fmt;
 use std::sync::Arc;
 
 use crate::geometry::lanes::{LANES, Row};
-use crate::scattering::spectrum_table::{
-    COEFFICIENTS, harmonics_above, harmonics_at, probe_azimuths, relative_error,
-};
 
 /// Rows of a table.
 pub const ROWS: usize = 4096;
 /// Share of the mean below which a harmonic is nothing.
 const HARMONIC_FLOOR: f64 = 1e-7;
+/// Azimuths sampled over half a turn.
+const AZIMUTHS: usize = 32;
+/// Coefficients on a circle: the mean, and cosine and sine of each harmonic.
+const COEFFICIENTS: usize = 1 + 2 * (AZIMUTHS / 2 - 1);
+/// Azimuths over half a turn at which some circles are probed: 0.35 degrees apart, where the narrowest
+/// spreading of a sea (`s = 1000`) is 5 degrees wide.
+const DENSE_AZIMUTHS: usize = 512;
+/// Every so many circles one is probed at all of these.
+const DENSE_EVERY: usize = 64;
+/// Share of the largest density on a circle below which errors count relative to that share: amplitudes of
+/// -60 dB.
+const LEAST_SHARE: f64 = 1e-6;
 /// Longest Bragg vector over twice the radar's wave number, with some grace for rounding.
 const GRACE: f64 = 1.01;
 
@@ -218,4 +228,51 @@ impl BraggTable {
         }
         worst
     }
+}
+
+/// Azimuths over half a turn at which the circle of a number is probed.
+fn probe_azimuths(circle: usize) -> Vec<f64> {
+    /// Fraction of the golden section: multiples of it leave no gap.
+    const TURN: f64 = 0.618_033_988_749_894_9;
+    let count = if circle.is_multiple_of(DENSE_EVERY) { DENSE_AZIMUTHS } else { AZIMUTHS };
+    let turned = (circle as f64 * TURN).fract();
+    (0..count).map(|j| PI * (j as f64 + turned) / count as f64).collect()
+}
+
+/// Largest relative error on a circle of `[whole, exact, found]`: relative to the whole density, nowhere to
+/// less than [`LEAST_SHARE`] of the largest; 0 where there is nothing above `least`.
+fn relative_error(values: &[[f64; 3]], least: f64) -> f64 {
+    let largest =
+        values.iter().fold(0.0f64, |most, [whole, exact, found]| most.max(*whole).max(*exact).max(*found));
+    if largest <= least {
+        return 0.0;
+    }
+    let errors =
+        values.iter().map(|[whole, exact, found]| (found - exact).abs() / whole.max(LEAST_SHARE * largest));
+    errors.fold(0.0, f64::max)
+}
+
+/// Highest harmonic that somewhere exceeds a share of the mean, in rows of [`COEFFICIENTS`].
+fn harmonics_above(floor: f64, rows: &[f64]) -> usize {
+    let exceeds = |row: &[f64], n: usize| row[2 * n - 1].abs().max(row[2 * n].abs()) > floor * row[0].abs();
+    let somewhere = |n: &usize| rows.chunks_exact(COEFFICIENTS).any(|row| exceeds(row, *n));
+    (1..AZIMUTHS / 2).rev().find(somewhere).unwrap_or(0)
+}
+
+/// `c_0`, then `c_n, s_n`, of `K^4 Psi` on the circle of radius `k`.
+fn harmonics_at(psi: impl Fn(f64, f64) -> f64, k: f64) -> [f64; COEFFICIENTS] {
+    let mut row = [0.0; COEFFICIENTS];
+    let scale = k * k * k * k / AZIMUTHS as f64;
+    for j in 0..AZIMUTHS {
+        let azimuth = PI * j as f64 / AZIMUTHS as f64;
+        let (sin, cos) = azimuth.sin_cos();
+        let value = psi(k * cos, k * sin).max(0.0) * scale;
+        row[0] += value;
+        for n in 1..AZIMUTHS / 2 {
+            let (sin, cos) = (2.0 * n as f64 * azimuth).sin_cos();
+            row[2 * n - 1] += 2.0 * value * cos;
+            row[2 * n] += 2.0 * value * sin;
+        }
+    }
+    row
 }

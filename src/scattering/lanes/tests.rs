@@ -5,12 +5,10 @@ use super::*;
 use crate::geometry::bistatic::Basis;
 use crate::rng::cases::{sized, some_of};
 use crate::scattering::facets::Facets;
-use crate::scattering::water::{Sight, SpectrumPath, WaterScattering};
-use crate::scene::sea::{
-    FacetScattering, Modulation, PatchPlace, Realisation, SlickRegion, SlickShape, Splitting, Waves,
-};
+use crate::scattering::water::{Sight, WaterScattering};
+use crate::scene::sea::{FacetScattering, Modulation, SlickRegion, SlickShape, Splitting, Waves};
 use crate::scene::water::{
-    Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
+    Development, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
 };
 use crate::scene::{Patch, Sea, Water};
 use crate::sea::realise::realise;
@@ -24,23 +22,11 @@ fn sea(scattering: FacetScattering) -> Sea {
         profile: WindProfile::Cardone,
         direction_rad: 0.5,
     };
-    let water = Water {
-        wind,
-        spectrum: SpectrumKind::Elfouhaily { development: Development::default() },
-        swell: Vec::new(),
-        dispersion: Dispersion::default(),
-        temperature_c: 20.0,
-        salinity_psu: 35.0,
-    };
+    let water = Water::new(wind, SpectrumKind::Elfouhaily { development: Development::default() });
     let shape = SlickShape::Ellipse { centre_m: [0.0, 0.0], half_axes_m: [9.0, 9.0], direction_rad: 0.0 };
     Sea {
-        water,
-        realisation: Realisation::Drawn { averaging: Default::default() },
-        patch: Patch::new([16.0, 16.0], 1.0, [0.0, 0.0]).unwrap(),
-        place: PatchPlace::Fixed,
         waves: Waves::Linear,
         scattering,
-        shadow: None,
         slicks: vec![SlickRegion {
             name: "oil".into(),
             shape,
@@ -48,7 +34,7 @@ fn sea(scattering: FacetScattering) -> Sea {
             cover: 0.8,
             elasticity_npm: 0.0255,
         }],
-        land: None,
+        ..Sea::new(water, Patch::new([16.0, 16.0], 1.0, [0.0, 0.0]).unwrap())
     }
 }
 
@@ -62,7 +48,7 @@ fn number(seed: &mut u64) -> f64 {
 fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, out]: [f64; 2]) -> f64 {
     let sea = sea(scattering);
     let realised = realise(&sea, 1).unwrap();
-    let sight = Sight { carrier_hz, seed: 1, spectrum: SpectrumPath::Exact };
+    let sight = Sight { carrier_hz, seed: 1 };
     let mut water = WaterScattering::new(&sea, &realised.wind, realised.spectrum.into(), &[], sight).unwrap();
     if let Some(rate_per_s) = water.relaxation_per_s() {
         water = water.with_strength(Strength::of(&realised.surface, rate_per_s));
@@ -204,7 +190,7 @@ fn water_of(
     let sea = Sea { water: Water { spectrum, swell, ..plain.water.clone() }, slicks: Vec::new(), ..plain };
     let wind = Wind::resolve(&sea.water.wind).unwrap();
     let spectrum = of_water(&sea.water, &wind).unwrap();
-    let sight = Sight { carrier_hz, seed: 1, spectrum: SpectrumPath::Exact };
+    let sight = Sight { carrier_hz, seed: 1 };
     WaterScattering::new(&sea, &wind, spectrum.into(), &[], sight).unwrap()
 }
 
@@ -244,7 +230,7 @@ fn densities_are_those_of_the_spectrum() {
                     let near = 10f64.powf(-2.0 + 2.0 * number(&mut seed)) * number(&mut seed).signum();
                     let azimuth = std::f64::consts::FRAC_PI_2 * f64::from(i as u32 % 4)
                         + if batch % 4 == 0 { 2.0 * number(&mut seed) } else { near };
-                    let cut = water.cut_radpm().unwrap();
+                    let cut = water.cut_radpm.unwrap();
                     let share = 0.5 + 0.5 * number(&mut seed);
                     let k = cut + share * (2.0 * f64::from(lanes.wavenumber_radpm) - cut);
                     (bragg[0][i], bragg[1][i]) = ((k * azimuth.cos()) as f32, (k * azimuth.sin()) as f32);

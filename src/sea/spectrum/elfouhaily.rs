@@ -39,7 +39,6 @@ pub struct Elfouhaily {
     calm: bool,
     heading: Heading,
     ustar_mps: f64,
-    inverse_wave_age: f64,
     enhancement_rad_m: f64,
     peak_speed_mps: f64,
     /// `Omega / sqrt 10`.
@@ -96,7 +95,6 @@ impl Elfouhaily {
             calm,
             heading: Heading::new(wind.direction_rad),
             ustar_mps,
-            inverse_wave_age: age,
             enhancement_rad_m,
             peak_speed_mps,
             decay: omega / 10f64.sqrt(),
@@ -111,11 +109,6 @@ impl Elfouhaily {
             spectrum.peak_rad_m = cells::peak_rad_m(|k| spectrum.omnidirectional_m3(k), around);
         }
         Ok(spectrum)
-    }
-
-    /// Inverse wave age Omega_c.
-    pub fn inverse_wave_age(&self) -> f64 {
-        self.inverse_wave_age
     }
 
     /// Curvature spectra of the long and of the short waves, dimensionless.

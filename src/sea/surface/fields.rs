@@ -146,6 +146,24 @@ pub struct Fields<T> {
     pub area: Vec<T>,
 }
 
+/// Every field of [`Fields`], borrowed as they are.
+macro_rules! all_columns {
+    ($fields:expr, $slice:path) => {{
+        let Fields {
+            height_m: z,
+            slope: [zx, zy],
+            velocity_mps: [u, v, w],
+            acceleration_mps2: [ax, ay, az],
+            displacement_m: [dx, dy],
+            slope_rate_per_s: [rx, ry],
+            modulation: [mxx, myy, mxy],
+            stretch: [sxx, syy, sxy],
+            area,
+        } = $fields;
+        [z, zx, zy, u, v, w, ax, ay, az, dx, dy, rx, ry, mxx, myy, mxy, sxx, syy, sxy, area].map($slice)
+    }};
+}
+
 impl<T: Real> Fields<T> {
     /// Room for the selected fields of a grid, all zero: still water.
     pub fn new(grid: &Grid, selection: Selection) -> Self {
@@ -185,36 +203,12 @@ impl<T: Real> Fields<T> {
 
     /// All fields, one after the other.
     pub(in crate::sea) fn columns(&self) -> [&[T]; 20] {
-        let Self {
-            height_m: z,
-            slope: [zx, zy],
-            velocity_mps: [u, v, w],
-            acceleration_mps2: [ax, ay, az],
-            displacement_m: [dx, dy],
-            slope_rate_per_s: [rx, ry],
-            modulation: [mxx, myy, mxy],
-            stretch: [sxx, syy, sxy],
-            area,
-        } = self;
-        [z, zx, zy, u, v, w, ax, ay, az, dx, dy, rx, ry, mxx, myy, mxy, sxx, syy, sxy, area]
-            .map(Vec::as_slice)
+        all_columns!(self, Vec::as_slice)
     }
 
     /// The same, to be written.
     pub(in crate::sea) fn columns_mut(&mut self) -> [&mut [T]; 20] {
-        let Self {
-            height_m: z,
-            slope: [zx, zy],
-            velocity_mps: [u, v, w],
-            acceleration_mps2: [ax, ay, az],
-            displacement_m: [dx, dy],
-            slope_rate_per_s: [rx, ry],
-            modulation: [mxx, myy, mxy],
-            stretch: [sxx, syy, sxy],
-            area,
-        } = self;
-        [z, zx, zy, u, v, w, ax, ay, az, dx, dy, rx, ry, mxx, myy, mxy, sxx, syy, sxy, area]
-            .map(Vec::as_mut_slice)
+        all_columns!(self, Vec::as_mut_slice)
     }
 }
 

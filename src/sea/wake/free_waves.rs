@@ -179,11 +179,6 @@ impl Wake {
         &self.nodes
     }
 
-    /// How far from midship it may be asked.
-    pub fn reach(&self) -> Reach {
-        self.reach
-    }
-
     /// Side of the facets it is made for, m.
     pub fn facet_m(&self) -> f64 {
         self.facet_m

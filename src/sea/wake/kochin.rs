@@ -372,16 +372,7 @@ impl Filon {
 fn oscillating_moments(t: f64) -> [f64; 3] {
     // Below 1 by series: the closed forms lose t^-2 and t^-3. Ten terms leave 1/20!.
     if t < 1.0 {
-        let (mut even, mut odd, mut second) = (0.0, 0.0, 0.0);
-        // (-1)^n t^2n/(2n)!
-        let mut term = 1.0;
-        for n in 0..10 {
-            let m = f64::from(2 * n);
-            even += term / (m + 1.0);
-            odd += term / ((m + 1.0) * (m + 3.0));
-            second += term / (m + 3.0);
-            term *= -t * t / ((m + 1.0) * (m + 2.0));
-        }
+        let [even, odd, second] = moments_by_series(-t * t);
         return [2.0 * even, 2.0 * t * odd, 2.0 * second];
     }
     let (sin, cos) = t.sin_cos();
@@ -389,19 +380,25 @@ fn oscillating_moments(t: f64) -> [f64; 3] {
     [2.0 * sin / t, odd, 2.0 * (sin / t) - 2.0 * odd / t]
 }
 
+/// The sums over n of `square^n/(2n)!` times `1/(2n + 1)`, `1/((2n + 1)(2n + 3))`, `1/(2n + 3)`, to n = 9.
+fn moments_by_series(square: f64) -> [f64; 3] {
+    let (mut even, mut odd, mut second) = (0.0, 0.0, 0.0);
+    let mut term = 1.0;
+    for n in 0..10 {
+        let m = f64::from(2 * n);
+        even += term / (m + 1.0);
+        odd += term / ((m + 1.0) * (m + 3.0));
+        second += term / (m + 3.0);
+        term *= square / ((m + 1.0) * (m + 2.0));
+    }
+    [even, odd, second]
+}
+
 /// `int_-1^1 s^n exp(tau (s - 1)) ds`, n = 0, 1, 2, for tau >= 0.
 fn decaying_moments(tau: f64) -> [f64; 3] {
     // Below 1 by series, for the same reason.
     if tau < 1.0 {
-        let (mut even, mut odd, mut second) = (0.0, 0.0, 0.0);
-        let mut term = 1.0;
-        for n in 0..10 {
-            let m = f64::from(2 * n);
-            even += term / (m + 1.0);
-            odd += term / ((m + 1.0) * (m + 3.0));
-            second += term / (m + 3.0);
-            term *= tau * tau / ((m + 1.0) * (m + 2.0));
-        }
+        let [even, odd, second] = moments_by_series(tau * tau);
         let decay = 2.0 * (-tau).exp();
         return [decay * even, decay * tau * odd, decay * second];
     }

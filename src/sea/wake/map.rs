@@ -12,7 +12,7 @@
 //! | horizontal acceleration | `-g s` |
 //!
 //! Only what the caller's fields ask for is summed. The window of [`upstream`](super::upstream) is applied
-//! last. Fields are **added to**, where [`Grid::index`] has the facets of the patch: those of the sea can be
+//! last. Fields are **added to**, in the order of the patch, `[iy][ix]`: those of the sea can be
 //! passed on. Memory is taken at construction only. The error is relative to the root sum square of the
 //! waves' amplitudes, which is the level of the wake over the reach: ahead of the ship and outside the cone,
 //! where waves cancel, it is as large as inside. A test holds the largest error of every field against its
@@ -90,32 +90,12 @@ impl<T: Real> Map<T> {
         })
     }
 
-    /// Adds all wakes at a time, s, to every field that is not empty; `first` is the global key of the
-    /// patch's facet with the smallest x and y.
+    /// Adds all wakes at a time, s, to every field that is not empty, in the order of the patch, `[iy][ix]`
+    /// from its first facet; `first` is the global key of that.
     ///
     /// # Errors
     /// Fields of another size, or a patch beyond the reach of a wake; nothing is added then.
     pub fn add(&mut self, first: [i64; 2], time_s: f64, fields: &mut Fields<T>) -> Result<(), WakeError> {
-        self.add_at(first, time_s, Order::Keys, fields)
-    }
-
-    /// The same where fields stand in the order of the patch, `[iy][ix]` from its first facet.
-    pub fn add_in_order(
-        &mut self,
-        first: [i64; 2],
-        time_s: f64,
-        fields: &mut Fields<T>,
-    ) -> Result<(), WakeError> {
-        self.add_at(first, time_s, Order::Patch, fields)
-    }
-
-    fn add_at(
-        &mut self,
-        first: [i64; 2],
-        time_s: f64,
-        order: Order,
-        fields: &mut Fields<T>,
-    ) -> Result<(), WakeError> {
         check_sizes(fields, self.grid.len())?;
         let patch = Patch { facets: [self.grid.nx(), self.grid.ny()], facet_m: self.grid.facet_m(), first };
         for wake in &self.wakes {
@@ -127,7 +107,7 @@ impl<T: Real> Map<T> {
             }
         }
         for place in 0..self.wakes.len() {
-            self.add_one(place, &patch, time_s, order, fields)?;
+            self.add_one(place, &patch, time_s, fields)?;
         }
         Ok(())
     }
@@ -137,7 +117,6 @@ impl<T: Real> Map<T> {
         place: usize,
         patch: &Patch,
         time_s: f64,
-        order: Order,
         fields: &mut Fields<T>,
     ) -> Result<(), WakeError> {
         let pose = self.wakes[place].pose(time_s)?;
@@ -154,7 +133,7 @@ impl<T: Real> Map<T> {
             }
         }
         for iy in 0..patch.facets[1] {
-            self.collect_row(place, &pose, patch, iy, wanted, order, fields);
+            self.collect_row(place, &pose, patch, iy, wanted, fields);
         }
         Ok(())
     }
@@ -202,7 +181,6 @@ impl<T: Real> Map<T> {
         patch: &Patch,
         iy: usize,
         wanted: Wanted,
-        order: Order,
         fields: &mut Fields<T>,
     ) {
         let wake = &self.wakes[place];
@@ -213,29 +191,19 @@ impl<T: Real> Map<T> {
             let place_m = patch.centre_m([patch.first[0] + ix as i64, key_y]);
             window.rounded_at::<T>(pose.astern_starboard_m(place_m)[0])
         };
-        let row = self.grid.index([0, key_y]);
-        let first_column = self.grid.index([patch.first[0], key_y]) - row;
         let mut ix = 0;
         while ix < nx {
             let edge = at(ix);
             let from = iy * nx + ix;
-            // Where it stands, and how many more until the row of the fields ends.
-            let (to, room) = match order {
-                Order::Patch => (from, nx - ix),
-                Order::Keys => {
-                    let column = (first_column + ix) % nx;
-                    (row + column, (nx - column).min(nx - ix))
-                }
-            };
             if edge == Edge::OPEN {
                 // Along a row the distance astern rises or falls, so that what is open is in one piece.
-                let (mut len, mut beyond) = (1, room);
+                let (mut len, mut beyond) = (1, nx - ix);
                 while len < beyond {
                     let middle = len + (beyond - len) / 2;
                     if at(ix + middle) == Edge::OPEN { len = middle + 1 } else { beyond = middle }
                 }
                 let planes = &self.planes;
-                Variant::fastest().run(Piece { planes, from, to, len, speed_mps, ahead, fields });
+                Variant::fastest().run(Piece { planes, from, len, speed_mps, ahead, fields });
                 ix += len;
                 continue;
             }
@@ -246,27 +214,17 @@ impl<T: Real> Map<T> {
                 };
                 // Planes that were not summed hold old values, which go nowhere.
                 let sample = edge.apply(&waves(pair, speed_mps, ahead), speed_mps, ahead);
-                wanted.add(&sample, to, fields);
+                wanted.add(&sample, from, fields);
             }
             ix += 1;
         }
     }
 }
 
-/// Where the facets of a patch stand in fields.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Order {
-    /// At [`Grid::index`] of their keys.
-    Keys,
-    /// In the patch's own order.
-    Patch,
-}
-
 /// Facets side by side from the planes to the fields, away from the window's edge.
 struct Piece<'a, T: Real> {
     planes: &'a [Vec<Complex<T>>; 4],
     from: usize,
-    to: usize,
     len: usize,
     speed_mps: f64,
     ahead: [f64; 2],
@@ -278,37 +236,37 @@ impl<T: Real> Task for Piece<'_, T> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { planes, from, to, len, speed_mps, ahead, fields } = self;
+        let Self { planes, from, len, speed_mps, ahead, fields } = self;
         let [u, s, q, d] = planes.each_ref().map(|plane| &plane[from..from + len]);
         let real = T::round_from;
         let along = ahead.map(|f| real(speed_mps * f));
         let lift = ahead.map(|f| real(speed_mps * f / GRAVITY_MPS2));
         let gravity = real(GRAVITY_MPS2);
-        sum(&mut fields.height_m, to, u, |u| lift[0] * u.re + lift[1] * u.im);
+        sum(&mut fields.height_m, from, u, |u| lift[0] * u.re + lift[1] * u.im);
         let [vx, vy, vz] = &mut fields.velocity_mps;
-        sum(vx, to, u, |u| u.re);
-        sum(vy, to, u, |u| u.im);
-        sum(vz, to, s, |s| -(along[0] * s.re + along[1] * s.im));
+        sum(vx, from, u, |u| u.re);
+        sum(vy, from, u, |u| u.im);
+        sum(vz, from, s, |s| -(along[0] * s.re + along[1] * s.im));
         let [sx, sy] = &mut fields.slope;
-        sum(sx, to, s, |s| s.re);
-        sum(sy, to, s, |s| s.im);
+        sum(sx, from, s, |s| s.re);
+        sum(sy, from, s, |s| s.im);
         let [ax, ay, az] = &mut fields.acceleration_mps2;
-        sum(ax, to, s, |s| -(gravity * s.re));
-        sum(ay, to, s, |s| -(gravity * s.im));
-        sum(az, to, q, |q| -(along[0] * q.re + along[1] * q.im));
+        sum(ax, from, s, |s| -(gravity * s.re));
+        sum(ay, from, s, |s| -(gravity * s.im));
+        sum(az, from, q, |q| -(along[0] * q.re + along[1] * q.im));
         let [dx, dy] = &mut fields.displacement_m;
-        sum(dx, to, d, |d| d.re);
-        sum(dy, to, d, |d| d.im);
+        sum(dx, from, d, |d| d.re);
+        sum(dy, from, d, |d| d.im);
         let [rx, ry] = &mut fields.slope_rate_per_s;
-        sum(rx, to, q, |q| q.re);
-        sum(ry, to, q, |q| q.im);
+        sum(rx, from, q, |q| q.re);
+        sum(ry, from, q, |q| q.im);
     }
 }
 
 /// Adds to a field, if it is wanted.
 #[inline(always)]
-fn sum<T: Real>(field: &mut [T], to: usize, plane: &[Complex<T>], of: impl Fn(&Complex<T>) -> T) {
-    let Some(field) = field.get_mut(to..to + plane.len()) else { return };
+fn sum<T: Real>(field: &mut [T], from: usize, plane: &[Complex<T>], of: impl Fn(&Complex<T>) -> T) {
+    let Some(field) = field.get_mut(from..from + plane.len()) else { return };
     for (field, value) in field.iter_mut().zip(plane) {
         *field = *field + of(value);
     }
@@ -431,27 +389,7 @@ impl Wanted {
 }
 
 fn check_sizes<T: Real>(fields: &Fields<T>, needed: usize) -> Result<(), SurfaceError> {
-    let Fields {
-        height_m,
-        slope,
-        velocity_mps,
-        acceleration_mps2,
-        displacement_m,
-        slope_rate_per_s,
-        modulation,
-        stretch,
-        area,
-    } = fields;
-    let all = std::iter::once(height_m)
-        .chain(slope)
-        .chain(velocity_mps)
-        .chain(acceleration_mps2)
-        .chain(displacement_m)
-        .chain(slope_rate_per_s)
-        .chain(modulation)
-        .chain(stretch)
-        .chain([area]);
-    match all.map(Vec::len).find(|&found| found != 0 && found != needed) {
+    match fields.columns().map(<[T]>::len).into_iter().find(|&found| found != 0 && found != needed) {
         Some(found) => Err(SurfaceError::FieldSize { found, needed }),
         None => Ok(()),
     }

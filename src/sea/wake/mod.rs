@@ -33,7 +33,7 @@
 //! map.add(patch.first, 10.0, &mut fields)?;
 //! let key = [-20, 4];
 //! let sum = wake.at(patch.centre_m(key), 10.0)?;
-//! assert!((fields.height_m[grid.index(key)] - sum.height_m).abs() < 1e-5);
+//! assert!((fields.height_m[patch.nearest_index(key)] - sum.height_m).abs() < 1e-5);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -15,12 +15,11 @@
 //! [`kind::turbulent_wake`](crate::scattering::kind::turbulent_wake)'s affair; heights stay as they are.
 //!
 //! Limits: W as full width is a reading of the source; the strip follows a straight course (see
-//! [`course`](super::course)); [`TurbulentStrip::join`] joins q of several ships as `1 - (1 - q1)(1 - q2)`
-//! (in the echo the strip that covers most of a facet decides).
+//! [`course`](super::course)); of several strips that which covers most of a facet decides.
 //!
 //! ```
 //! use nereus::sea::wake::TurbulentStrip;
-//! let strip = TurbulentStrip::new(100.0, 13.0)?;
+//! let strip = TurbulentStrip::with(100.0, 13.0, 5.0, 2000.0)?;
 //! assert!((strip.width_m(400.0) - 52.0).abs() < 1e-12);
 //! // 4 lengths astern of the stern, on the centre line.
 //! assert!((strip.cover([450.0, 0.0]) - (-400.0f64 / 2000.0).exp()).abs() < 1e-15);
@@ -30,13 +29,7 @@
 
 use std::f64::consts::PI;
 
-use super::course::Course;
-use crate::scene::Patch;
-use crate::sea::surface::fields::Real;
-use crate::sea::surface::{Grid, SurfaceError};
-use crate::sea::wake::fault::MAX_TIME_S;
-use crate::sea::wake::fault::MOST_TURN_RAD;
-use crate::sea::wake::fault::{LENGTH_RANGE_M, WakeError};
+use super::fault::{LENGTH_RANGE_M, WakeError};
 
 /// Width over beam, `x0` lengths astern.
 pub const WIDTH_IN_BEAMS: f64 = 4.0;
@@ -59,14 +52,6 @@ pub struct TurbulentStrip {
 }
 
 impl TurbulentStrip {
-    /// For a ship of a length and a beam, m: exponent 5, decay over 20 lengths.
-    ///
-    /// # Errors
-    /// A length or beam out of range.
-    pub fn new(length_m: f64, beam_m: f64) -> Result<Self, WakeError> {
-        Self::with(length_m, beam_m, 5.0, 20.0 * length_m)
-    }
-
     /// With an exponent `a` and a decay length xd, m, of the caller's.
     ///
     /// # Errors
@@ -116,52 +101,5 @@ impl TurbulentStrip {
         let across = ((out / half_m - 1.0) / (2.0 * EDGE)).clamp(-0.5, 0.5);
         let onset = 0.5 - 0.5 * (PI * (behind_m / self.beam_m).min(1.0)).cos();
         onset * (0.5 - 0.5 * (PI * across).sin()) * (-behind_m / self.decay_m).exp()
-    }
-
-    /// Joins the cover of a ship at a time, s, to that of a patch's facets, stored as [`Grid::index`] has
-    /// them.
-    ///
-    /// # Errors
-    /// A cover of another size, a time that is not finite, or a turn too tight for the strip.
-    pub fn join<T: Real>(
-        &self,
-        course: &Course,
-        time_s: f64,
-        patch: &Patch,
-        cover: &mut [T],
-    ) -> Result<(), WakeError> {
-        course.check()?;
-        if time_s.is_nan() || time_s.abs() > MAX_TIME_S {
-            return Err(WakeError::Time { time_s });
-        }
-        let grid = Grid::new(patch.facets[0], patch.facets[1], patch.facet_m)?;
-        if cover.len() != grid.len() {
-            return Err(SurfaceError::FieldSize { found: cover.len(), needed: grid.len() }.into());
-        }
-        let pose = course.pose(time_s);
-        let furthest_m = super::course::corners_m(patch)
-            .map(|corner_m| pose.astern_starboard_m(corner_m)[0])
-            .into_iter()
-            .fold(0.0, f64::max)
-            .min(0.5 * self.length_m + FORGOTTEN * self.decay_m);
-        // Turn over the age of what lies on the patch; a ship at rest leaves no strip.
-        let turned = course.turn_rate_radps.abs() * furthest_m;
-        if course.speed_mps == 0.0 {
-            return Ok(());
-        }
-        if turned > MOST_TURN_RAD * course.speed_mps {
-            return Err(WakeError::Turn { turn_rad: turned / course.speed_mps, along_m: furthest_m });
-        }
-        for iy in 0..grid.ny() as i64 {
-            for ix in 0..grid.nx() as i64 {
-                let key = [patch.first[0] + ix, patch.first[1] + iy];
-                let own = self.cover(pose.astern_starboard_m(patch.centre_m(key)));
-                if own > 0.0 {
-                    let joint = &mut cover[grid.index(key)];
-                    *joint = T::round_from(1.0 - (1.0 - joint.widen()) * (1.0 - own));
-                }
-            }
-        }
-        Ok(())
     }
 }

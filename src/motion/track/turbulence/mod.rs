@@ -35,7 +35,8 @@
 //! independent; no rolling gusts; the gain model stands for an aircraft, not for a certain one.
 //!
 //! ```
-//! use nereus::motion::track::turbulence::{strength, FOOT_M};
+//! use nereus::motion::track::turbulence::strength;
+//! use nereus::units::FOOT_M;
 //! // Moderate turbulence at 500 ft: 0.1 of 30 knots upwards, more along the track.
 //! let scales = strength(500.0 * FOOT_M, 15.43);
 //! assert!((scales.sigma_mps[2] - 1.543).abs() < 1e-12 && (scales.length_m[2] - 152.4).abs() < 1e-9);
@@ -57,11 +58,10 @@ use crate::motion::gusts::Gusts;
 use crate::motion::gusts::LEVELS_MPS;
 use crate::motion::track::{State, Track, TrackError};
 use crate::time::TimeTag;
+use crate::units::FOOT_M;
 
 pub use system::{Axis, Chain};
 
-/// One foot, m.
-pub const FOOT_M: f64 = 0.3048;
 /// Strength far above the sea of light, moderate and severe turbulence, m/s.
 const HIGH_MPS: [f64; 3] = [1.5, 3.0, 6.0];
 /// How long before pulse 0 gusts begin, s: more than any servo looks back.
