@@ -217,10 +217,8 @@ impl PulseFactory {
 
     /// What pulses one by one take more than those of a block, bytes.
     pub(crate) fn single_bytes(&self, threads: usize) -> u64 {
-        match &self.echo {
-            Echo::Single(_) => memory::single_bytes(self.facets(), threads),
-            Echo::Fast(_) | Echo::Reference(_) => 0,
-        }
+        let alone = !matches!(self.echo, Echo::Reference(_)) && self.block_pulses() == 1;
+        if alone { memory::single_bytes(self.facets(), threads) } else { 0 }
     }
 
     /// Facets of the patch of sea; 0 without one.

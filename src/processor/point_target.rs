@@ -112,6 +112,13 @@ impl Support {
         [cut(range, cross), cut(cross, range)]
     }
 
+    /// Coarsest distance of pixels East and North that samples the amplitude of the image, m:
+    /// `1 / (|b_1| + |b_2|)` along the axis where it is less.
+    pub fn coarsest_pixel_m(&self) -> f64 {
+        let extent = |axis: usize| self.range[axis].abs() + self.cross[axis].abs();
+        1.0 / extent(0).max(extent(1))
+    }
+
     /// A displacement in cells of range and cross-range.
     pub fn cells(&self, displacement_m: [f64; 2]) -> [f64; 2] {
         let d = DVec2::from(displacement_m);

@@ -242,12 +242,25 @@ fn open(args: &FocusArgs, path: &Path) -> Result<(Recording, Option<Scenario>), 
 /// The image of a channel, with its progress shown.
 fn image(focuser: &Focuser, channel: usize) -> Result<Image, FocusError> {
     let image = progress::counting("pulses focused", |done| focuser.image(channel, done))?;
+    let name = one_line(&image.channel);
     if image.values.iter().all(|z| *z == Complex32::ZERO) {
-        let name = one_line(&image.channel);
         let band = image.doppler_hz.map_or(String::new(), |hz| {
             format!("within {hz} Hz of Doppler about the aim (--doppler-hz all), and ")
         });
-        say(format_args!("channel {name}: no power on the image; does it lie {band}in the receive windows?"));
+        warn([format!("channel {name}: no power on the image; does it lie {band}in the receive windows?")]);
+    }
+    let pixel_m = focuser.settings().pixel_m;
+    // Said once: channels see the image from the same side.
+    if let Some(coarsest_m) = image.support.map(|support| support.coarsest_pixel_m())
+        && pixel_m > coarsest_m
+        && focuser.channels().first() == Some(&channel)
+    {
+        // Half of it: a peak between four pixels loses 0.9 dB along each side.
+        warn([format!(
+            "pixels of {pixel_m} m undersample the image: peaks and contrast are lower than they are; \
+             --pixel-m {:.2} keeps a peak within 1 dB along each side",
+            0.5 * coarsest_m
+        )]);
     }
     Ok(image)
 }

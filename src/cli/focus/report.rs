@@ -17,6 +17,9 @@ use crate::processor::point_target::{PointTarget, SEARCH_CELLS, WIDEST};
 const RESAMPLES: usize = 99;
 const TEST_PIXELS: usize = 10_000;
 
+/// Side lobes above this, dB, make it doubtful whether a main lobe is that of the point.
+const UNCLEAR_PSLR_DB: f64 = -6.0;
+
 /// A point of the truth record by its name; nothing where no main lobe is found.
 type Target = (String, Option<PointTarget>);
 
@@ -144,8 +147,10 @@ fn add_target(report: &mut Report, (name, found): &Target, cell_m: Option<[f64; 
         report.line(format!("  {name:<16} not found: no main lobe{searched}, or none that stands out"));
         return;
     };
+    let highest_db = p.range.pslr_db.max(p.cross_range.pslr_db);
+    let doubt = if highest_db > UNCLEAR_PSLR_DB { "; doubtful: no clear main lobe" } else { "" };
     report.line(format!(
-        "  {name:<16} range {:.3} m ({:.3}), PSLR {:.1} dB, position error {:+.3} cells; cross-range {:.3} m ({:.3}), PSLR {:.1} dB, position error {:+.3} cells; phase {:+.3} rad",
+        "  {name:<16} range {:.3} m ({:.3}), PSLR {:.1} dB, position error {:+.3} cells; cross-range {:.3} m ({:.3}), PSLR {:.1} dB, position error {:+.3} cells; phase {:+.3} rad{doubt}",
         p.range.width_m,
         p.range.theory_m,
         p.range.pslr_db,
