@@ -25,6 +25,7 @@
 
 pub mod description;
 pub mod hidden_targets;
+pub mod link_budget;
 pub mod polarisation;
 mod ships;
 

@@ -9,6 +9,7 @@ use super::report::Report;
 use super::scenario::{JsonArg, ScenarioArgs};
 use super::{counted, warn};
 use crate::adequacy::description::{Described, ECHO, Models, RAIN, described, models, scenario, sea, ships};
+use crate::adequacy::link_budget::{self, LinkBudget, link_budget};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, adequacy, edge_db, hidden_targets};
 use crate::bench::plan::{PlanReport, echo_text, not_kept};
@@ -44,6 +45,8 @@ struct Found {
     /// How the recorded tracks were made.
     tracks: Vec<Described>,
     sea: Option<Adequacy>,
+    /// What antennas, noise and pulse interval mean for the targets.
+    link: Option<LinkBudget>,
     /// What is chosen for the error that is asked; none for the reference.
     plan: Option<PlanReport>,
     forecast: Option<Resources>,
@@ -67,7 +70,8 @@ pub fn assess(run: &Run, mut warned: impl FnMut(&[String])) -> Result<Report, Cl
     warned(&warnings);
     let first = warnings.len();
     let models = models(run);
-    let mut found = Found { models, warnings, tracks: Vec::new(), sea: None, plan: None, forecast: None };
+    let mut found =
+        Found { models, warnings, tracks: Vec::new(), sea: None, link: None, plan: None, forecast: None };
     let unknown = without_trajectory(run);
     if unknown.is_empty() {
         found.predict(run)?;
@@ -100,6 +104,7 @@ impl Found {
             let what = format!("{}, {} track", note.platform, note.role);
             self.tracks.push(described(&what, note.report.to_string()));
         }
+        self.link = Some(link_budget(run)?);
         self.sea = adequacy(run)?;
         if let Some(sea) = &mut self.sea {
             sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;
@@ -147,10 +152,11 @@ impl Found {
 
 fn report(run: &Run, found: &Found) -> Report {
     let mut report = scenario_report(run);
-    let Found { models, warnings, tracks, sea, plan, forecast } = found;
+    let Found { models, warnings, tracks, sea, link, plan, forecast } = found;
     let platforms = scenario::platforms(run);
     report.section("platforms", &platforms).value("platforms", &platforms);
     report.section("modelled", &models.with).value("modelled", &models.with);
+    report.section("link", &link.as_ref().map(link_budget::rows).unwrap_or_default()).value("link", link);
     report.section("sea", &sea.as_ref().map(sea::rows).unwrap_or_default()).value("sea", sea);
     report.section("ships", &sea.as_ref().map(|sea| ships::rows(&sea.ships)).unwrap_or_default());
     report.section("recorded tracks", tracks).value("tracks", tracks);
