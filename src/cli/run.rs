@@ -109,6 +109,9 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
                 "platform '{platform}' by {origin} is at {last}; pulses begin when it is at {first}"
             ));
         }
+    if nominal.start_now {
+        say(format_args!("pulses begin at {}", nominal.scene.start));
+    }
     }
     if let Some(needed_s) = stream.needed_latency_s() {
         latency(&run, needed_s, stream.latency_s());

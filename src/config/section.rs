@@ -370,13 +370,13 @@ impl<'a> Section<'a> {
         self.typed(key, node, time)
     }
 
-    /// The word of the key (`None` within), or an instant; `None` when absent or faulty.
-    pub(super) fn time_or(&self, key: &'static Key) -> Option<Option<TimeTag>> {
-        let Kind::TimeOr(word) = key.kind else { return None };
-        if self.is_word(key, word) {
-            return Some(None);
+    /// A word of the key (`Err`), or an instant; `None` when absent or faulty.
+    pub(super) fn time_or(&self, key: &'static Key) -> Option<Result<TimeTag, &'static str>> {
+        let Kind::TimeOr(words) = key.kind else { return None };
+        match words.iter().find(|(word, _)| self.is_word(key, word)) {
+            Some((word, _)) => Some(Err(word)),
+            None => self.time(key).map(Ok),
         }
-        self.time(key).map(Some)
     }
 
     /// A list of numbers; `None` when absent without default or faulty.

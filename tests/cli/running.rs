@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use crate::program::{Ended, nereus, package, started};
 
@@ -160,6 +160,41 @@ fn closed_by(signal: &str) {
     let out = folder.path().join("stopped.plain");
     let run = ["run", &calibration(), "--set", "sink.0.kind=\"plain\"", "--out", "stopped.plain"];
     let mut child = started(folder.path(), &run);
+/// Stamps are those of the clock at which pulses are emitted, released by the latency later.
+#[test]
+fn a_run_that_starts_now_waits_for_its_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = package().join("configs/live-wire.toml").display().to_string();
+    let clock = || SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();
+    let before_s = clock();
+    let set = ["--set", "scene.start_utc=now", "--set", "sink=[]", "--set", "stream.policy=slip"];
+    let run = ["run", &scenario, "--duration-s", "0.3", "--out", "now.plain", "--json"];
+    let ended = nereus(folder.path(), &[&run[..], &set].concat());
+    let after_s = clock();
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(ended.stderr.contains("pulses begin at 20"), "{}", ended.stderr);
+    let stamps = fs::read(folder.path().join("now.plain/pulse/time_ns.bin")).unwrap();
+    let first_s = i64::from_le_bytes(stamps[..8].try_into().unwrap()) as f64 * 1e-9;
+    // 3 s ahead; the last pulse, 0.3 s later, is released half a second after its stamp.
+    assert!(first_s.fract() == 0.0 && first_s >= before_s + 3.0, "{before_s} {first_s}");
+    assert!(after_s >= first_s + 0.3 + 0.49, "{first_s} {after_s}");
+    let recorded = fs::read_to_string(folder.path().join("now.plain/meta.json")).unwrap();
+    assert!(!recorded.contains("start_utc = \\\"now\\\""), "{recorded}");
+}
+
+#[test]
+fn a_name_that_says_another_format_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = package().join("configs/mocomp-step.toml").display().to_string();
+    let run = ["run", &scenario, "--pace", "fast", "--pulses", "0..4", "--out", "x.sigmf-meta"];
+    let ended = nereus(folder.path(), &run);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let warned = "warning: x.sigmf-meta becomes a recording of kind = \"plain\", whatever its name says";
+    assert!(ended.stderr.contains(warned), "{}", ended.stderr);
+    let ended = nereus(folder.path(), &[&run[..6], &["--out", "x.plain"]].concat());
+    assert!(ended.code == 0 && !ended.stderr.contains("whatever"), "{}", ended.stderr);
+}
+
     let begun = Instant::now();
     let index = out.join("pulse/index.bin");
     while !fs::metadata(&index).is_ok_and(|data| data.len() > 0) {
