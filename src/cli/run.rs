@@ -15,7 +15,7 @@ use super::scenario::{OutputArgs, ScenarioArgs};
 use super::values::{PulseRange, duration};
 use super::{counted, escape, json, progress, say, warn};
 use crate::adequacy::adequacy;
-use crate::config::Run;
+use crate::config::{Run, Warning};
 use crate::nav::{AttitudeSource, TrackSource};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::control_lines::{ControlSocket, Subject};
@@ -422,3 +422,5 @@ fn record_as_named(run: &mut Run, out: &Path) {
         }
     }
 }
+    let misnamed = run.sinks.iter().filter_map(|sink| sink.kind.misnamed());
+    run.warnings.extend(misnamed.map(|(path, kind)| Warning::Misnamed { path: path.to_owned(), kind }));

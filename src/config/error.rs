@@ -454,6 +454,18 @@ pub enum Warning {
         /// Whether segments were asked for.
         segmented: bool,
     },
+    /// A recording whose name says another format.
+    #[error(
+        "{} becomes a recording of kind = \"{kind}\", whatever its name says: one that ends in .h5 or .crsd chooses that format, \
+         any other keeps the sink's",
+        path.display()
+    )]
+    Misnamed {
+        /// The recording.
+        path: PathBuf,
+        /// Its format.
+        kind: &'static str,
+    },
     /// An antenna that no channel uses.
     #[error("no channel uses the {what} \"{name}\"")]
     Unused {

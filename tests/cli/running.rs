@@ -97,6 +97,17 @@ fn a_track_that_ends_before_the_run_does_is_refused() {
     assert_eq!(ended.code, 2, "{}", ended.stderr);
     assert!(ended.stderr.contains("missing at the end"), "{}", ended.stderr);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    // Wholly beside it: said once, with what is allowed.
+    let set = ["--set", "scene.start_utc=2018-06-02T00:00:00Z", "--out", "x.plain"];
+    let ended = nereus(folder.path(), &[&["run", &calibration()][..], &set].concat());
+    assert_eq!(
+        (ended.code, ended.stderr.matches("which ends before the run").count()),
+        (2, 1),
+        "{}",
+        ended.stderr
+    );
+    assert!(ended.stderr.contains("allowed: a scene.start_utc within the track"), "{}", ended.stderr);
+    assert_eq!(ended.stderr.matches("2018-06-02T00:00:00").count(), 1, "{}", ended.stderr);
 }
 
 /// A run in real time on a small sea, whose pulses come in blocks: more of them than a millisecond holds.
@@ -149,17 +160,6 @@ fn slipped_time_is_reported() {
 
 /// Ctrl-C ends a run cleanly, and so does whoever stops a service: exit 0, the recording closed and readable.
 #[cfg(unix)]
-#[test]
-fn signals_close_the_recording() {
-    ["-INT", "-TERM"].into_iter().for_each(closed_by);
-}
-
-#[cfg(unix)]
-fn closed_by(signal: &str) {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("stopped.plain");
-    let run = ["run", &calibration(), "--set", "sink.0.kind=\"plain\"", "--out", "stopped.plain"];
-    let mut child = started(folder.path(), &run);
 /// Stamps are those of the clock at which pulses are emitted, released by the latency later.
 #[test]
 fn a_run_that_starts_now_waits_for_its_start() {
@@ -195,6 +195,17 @@ fn a_name_that_says_another_format_is_warned_of() {
     assert!(ended.code == 0 && !ended.stderr.contains("whatever"), "{}", ended.stderr);
 }
 
+#[test]
+fn signals_close_the_recording() {
+    ["-INT", "-TERM"].into_iter().for_each(closed_by);
+}
+
+#[cfg(unix)]
+fn closed_by(signal: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("stopped.plain");
+    let run = ["run", &calibration(), "--set", "sink.0.kind=\"plain\"", "--out", "stopped.plain"];
+    let mut child = started(folder.path(), &run);
     let begun = Instant::now();
     let index = out.join("pulse/index.bin");
     while !fs::metadata(&index).is_ok_and(|data| data.len() > 0) {
