@@ -474,6 +474,17 @@ pub enum Warning {
         /// Its name.
         name: String,
     },
+    /// Ports that transmit together and are no pair.
+    #[error(
+        "\"{transmitter}\" transmits in {ports} with every pulse, which are not orthogonal: no receiver could tell their echoes \
+         apart; channels of H and V, or of R and L, or tx_polarisation = \"alternating\""
+    )]
+    NotOrthogonal {
+        /// The transmitter.
+        transmitter: String,
+        /// Its transmit polarisations.
+        ports: String,
+    },
     /// A slick that no facet has.
     #[error("slick \"{name}\" lies outside the patch of sea: no facet has it")]
     SlickOutside {

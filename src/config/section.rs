@@ -436,7 +436,13 @@ impl<'a> Section<'a> {
         let Kind::Words { least, most, .. } = key.kind else { return None };
         let words = match &node.value {
             Value::Array(items) if (least..=most).contains(&items.len()) => {
-                items.iter().map(|item| item.text().and_then(&read)).collect()
+                let word = |item: &Node| item.text().and_then(&read);
+                if let Some(bad) = items.iter().position(|item| word(item).is_none()) {
+                    let found = format!("entry {bad}, {},", items[bad].shown());
+                    self.fault(key, Problem::Type { found, allowed: key.kind.allowed() });
+                    return None;
+                }
+                items.iter().map(word).collect()
             }
             _ => None,
         };

@@ -115,7 +115,7 @@ fn faults_of_settings_name_the_setting() {
     );
     assert_eq!(ended.code, 2);
     insta::assert_snapshot!(ended.stderr, @r#"
-error: --set: target.9.rcs_m2: leads to nothing: target has entries 0 to 1, not 9
+error: --set: target.9.rcs_m2: leads to nothing: target has entries 0 to 1 (sphere, boat), not 9
 --set: radar.prf: unknown key; did you mean prf_hz, in Hz?
 configs/coastal.toml: 2 faults
 "#);

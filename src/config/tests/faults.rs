@@ -213,7 +213,7 @@ scenes/bad.toml:7:2: radar.carrier_hz: is missing; required: a number from 1e6 t
 scenes/bad.toml:8:1: radar.carrier_ghz: unknown key; did you mean carrier_hz, in Hz?
 scenes/bad.toml:10:10: radar.prf_hz: -222 is out of range; allowed: a number from 0.001 to 1e9 Hz
 scenes/bad.toml:11:10: radar.pri_us: prf_hz, pri_us exclude each other; allowed: one of them
-scenes/bad.toml:12:12: radar.channels: ["HH", "XX"] is not allowed; allowed: a list of 1 to 16 texts, each receive then transmit polarisation, each H, V, R or L
+scenes/bad.toml:12:12: radar.channels: entry 1, "XX", is not allowed; allowed: a list of 1 to 16 texts, each receive then transmit polarisation, each H, V, R or L
 scenes/bad.toml:13:19: radar.noise_figure_db: nan is out of range; allowed: a number from 0 to 100 dB
 scenes/bad.toml:17:16: radar.waveform.bandwidth_hz: 6e7 Hz is more than radar.sample_rate_hz holds; allowed: up to 5e7 Hz
 scenes/bad.toml:19:1: radar.waveform.path: has no meaning here (kind = "lfm")
