@@ -106,6 +106,7 @@ fn show(pulse: &Pulse, replica: &[Complex32]) {
 fn main() -> Result<(), Box<dyn Error>> {
     let run = Run {
         start_live: false,
+        start_now: false,
         scene: scene()?,
         nav: vec![PlatformNav {
             truth: TrackSource::Straight {

@@ -9,6 +9,7 @@
 //! to 2e-7 s.
 
 use std::fmt;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use hifitime::leap_seconds::LatestLeapSeconds;
 use hifitime::{Epoch, Unit};
@@ -69,6 +70,12 @@ impl TimeTag {
             tag = Self { seconds: tag.seconds.saturating_add(1), fraction_s: 0.0 };
         }
         tag
+    }
+
+    /// What the clock of the machine shows.
+    pub fn now() -> Self {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        Self::new(i64::try_from(now.as_secs()).unwrap_or_default(), f64::from(now.subsec_nanos()) * 1e-9)
     }
 
     /// Reads an ISO 8601 UTC time (`2018-05-30T20:15:00.5Z`; the `Z` may be missing).

@@ -24,6 +24,7 @@
 
 pub mod description;
 pub mod hidden_targets;
+pub mod link_budget;
 pub mod polarisation;
 pub mod sea_map;
 mod ships;
@@ -55,7 +56,7 @@ use crate::sea::wake::{free_waves, kochin};
 use crate::sea::wind::{EXTRAPOLATED_ABOVE_MPS, Wind};
 use crate::time::TimeTag;
 use crate::transport::schedule::Schedule;
-use crate::units::SPEED_OF_LIGHT_MPS;
+use crate::units::{SPEED_OF_LIGHT_MPS, neat};
 
 /// Power that may come and go with the edge rows of a following patch, dB below all that is received.
 pub const EDGE_BUDGET_DB: f64 = -60.0;
@@ -141,14 +142,18 @@ pub enum SeaWarning {
     /// Not enough facets for speckle.
     #[error(
         "{facets:.1} facets in a resolution cell of {ground_range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): \
-         below {} its speckle is not Rayleigh's",
-        sampling::LEAST_FACETS_PER_CELL
+         below {least} its speckle is not Rayleigh's; scene.facet_m of at most {at_most_m} would do, with {more:.1} times as many facets",
+        least = sampling::LEAST_FACETS_PER_CELL
     )]
     FewFacets {
         /// Facets in the cell.
         facets: f64,
         /// The cell in ground range, m.
         ground_range_m: f64,
+        /// Longest side of a facet that has enough of them, m, rounded down.
+        at_most_m: f64,
+        /// How many times as many facets the patch then has: their cost.
+        more: f64,
     },
     /// Facets that the radar resolves.
     #[error("facets of {facet_m} m are longer than a resolution cell of {ground_range_m:.2} m ground range")]
@@ -341,7 +346,12 @@ pub fn adequacy(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
         let facets = sampling::facets_per_cell(facet_m, [ground_range_m, AZIMUTH_M]);
         adequacy.facets_per_cell = Some(facets);
         if facets < sampling::LEAST_FACETS_PER_CELL {
-            adequacy.warnings.push(SeaWarning::FewFacets { facets, ground_range_m });
+            let enough_m = facet_m * (facets / sampling::LEAST_FACETS_PER_CELL).sqrt();
+            // Two digits, never more than would do.
+            let unit_m = 10f64.powf(enough_m.log10().floor() - 1.0);
+            let at_most_m = neat((enough_m / unit_m).floor() * unit_m);
+            let more = (facet_m / at_most_m).powi(2);
+            adequacy.warnings.push(SeaWarning::FewFacets { facets, ground_range_m, at_most_m, more });
         }
         if facet_m > ground_range_m {
             adequacy.warnings.push(SeaWarning::LongFacets { facet_m, ground_range_m });

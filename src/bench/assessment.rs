@@ -3,6 +3,7 @@
 use super::plan::{PlanReport, echo_text, not_kept};
 use super::resources::Resources;
 use crate::adequacy::description::{Described, ECHO, Models, RAIN, described, models};
+use crate::adequacy::link_budget::{LinkBudget, link_budget};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, adequacy, edge_db, hidden_targets};
 use crate::config::Run;
@@ -26,6 +27,8 @@ pub struct Assessment {
     pub tracks: Vec<Described>,
     /// How the sea fits the radar.
     pub sea: Option<Adequacy>,
+    /// What antennas, noise and pulse interval mean for the targets.
+    pub link: Option<LinkBudget>,
     /// What is chosen for the error that is asked; none for the reference.
     pub plan: Option<PlanReport>,
     /// What the run takes.
@@ -43,7 +46,8 @@ impl Assessment {
         warnings.extend(outputs::preflight(&run.sinks).iter().map(ToString::to_string));
         warned(&warnings);
         let (first, models) = (warnings.len(), models(run));
-        let mut found = Self { models, warnings, tracks: Vec::new(), sea: None, plan: None, resources: None };
+        let tracks = Vec::new();
+        let mut found = Self { models, warnings, tracks, sea: None, link: None, plan: None, resources: None };
         let unknown = without_trajectory(run);
         if unknown.is_empty() {
             found.predict(run)?;
@@ -63,6 +67,7 @@ impl Assessment {
             let what = format!("{}, {} track", note.platform, note.role);
             self.tracks.push(described(&what, note.report.to_string()));
         }
+        self.link = Some(link_budget(run)?);
         self.sea = adequacy(run)?;
         if let Some(sea) = &mut self.sea {
             sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;

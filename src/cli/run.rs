@@ -14,7 +14,7 @@ use super::scenario::{OutputArgs, ScenarioArgs};
 use super::values::{PulseRange, Word, duration, one_of};
 use super::{counted, escape, progress, say, stopped_by_signal, warn};
 use crate::adequacy::adequacy;
-use crate::config::Run;
+use crate::config::{Run, Warning};
 use crate::nav::{AttitudeSource, TrackSource};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::control_lines::{ControlSocket, Subject};
@@ -24,7 +24,9 @@ use crate::pulse::log::Entry;
 use crate::recording::shard::Shard;
 use crate::sinks::redirection::redirect;
 use crate::sinks::sink::SinkReport;
+use crate::time::TimeTag;
 use crate::transport::Pace;
+use crate::transport::pacer::may_run_ahead;
 
 /// How pulses are released.
 const PACES: [Word<Pace>; 2] = [
@@ -91,11 +93,11 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     if let (Some(live), Some(nominal)) = (&live, stream.nominal()) {
         let first = nominal.scene.radar.emissions.emission(nominal.scene.start, stream.schedule().first);
         for (platform, origin, last) in live.standing() {
-            let last = last.map_or_else(|| "no position".to_owned(), |last| last.to_string());
-            say(format_args!(
-                "platform '{platform}' by {origin} is at {last}; pulses begin when it is at {first}"
-            ));
+            say(format_args!("platform '{platform}' by {origin}: {}", awaited(last, first)));
         }
+    }
+    if nominal.start_now {
+        say(format_args!("pulses begin at {}", nominal.scene.start));
     }
     if let Some(needed_s) = stream.needed_latency_s() {
         latency(&run, needed_s, stream.latency_s());
@@ -148,6 +150,19 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     outcome.result.map_err(|error| CliError::Run(Box::new(error)))
 }
 
+/// Whether navigation has come to the first emission, for which pulses wait.
+fn awaited(last: Option<TimeTag>, first: TimeTag) -> String {
+    match last {
+        None => format!("no position yet; pulses begin when it has come to {first}"),
+        Some(last) if first.since(last) > 0.0 => {
+            format!("last position at {last}; pulses begin when it has come to {first}")
+        }
+        Some(last) => {
+            format!("last position at {last}; the first pulse is emitted at {first}")
+        }
+    }
+}
+
 /// How the latency of a run suits its live navigation.
 fn latency(run: &Run, needed_s: f64, latency_s: f64) {
     let needed_ms = (needed_s * 1e3).ceil();
@@ -182,13 +197,13 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
     if run.stream.pace == Pace::Realtime && health.pulses > 0 {
         let lateness = &health.lateness_us;
         report.line(format!(
-            "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms; pacer at {} priority",
+            "lateness p50 {:.0} us, p99 {:.0} us, p99.9 {:.0} us, max {:.0} us; latency {:.2} ms; pacer at {}",
             lateness.p50,
             lateness.p99,
             lateness.p999,
             lateness.max,
             summary.latency_ms.unwrap_or(f64::NAN),
-            if health.pacer_ahead { "real-time" } else { "ordinary" }
+            priority(run, health.pacer_ahead)
         ));
     }
     if health.slipped_s > 0.0 {
@@ -201,6 +216,20 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
     for sink in health.sinks.iter().filter(|sink| sink.dropped > 0) {
         let missed = counted(sink.dropped, "pulse");
         report.warning(format_args!("sink '{}' was too slow and missed {missed}", sink.name));
+    }
+}
+
+/// At what priority pulses were released, and why not at real-time priority. What the system refused is
+/// reported beside it.
+fn priority(run: &Run, ahead: bool) -> &'static str {
+    if ahead {
+        "real-time priority"
+    } else if !run.stream.pacer_ahead {
+        "ordinary priority (stream.pacer_priority)"
+    } else if may_run_ahead(run.scene.radar.emissions.mean_prf_hz()) {
+        "ordinary priority (refused)"
+    } else {
+        "ordinary priority (above 1000 pulses/s, where its waiting would take a core from all others)"
     }
 }
 
@@ -331,6 +360,8 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     run.stream.pace = args.pace.unwrap_or(run.stream.pace);
     if let Some(out) = &args.out {
         redirect(&mut run.sinks, out)?;
+        let misnamed = run.sinks.iter().filter_map(|sink| sink.kind.misnamed());
+        run.warnings.extend(misnamed.map(|(path, kind)| Warning::Misnamed { path: path.to_owned(), kind }));
     }
     if args.output.overwrite.force {
         run.sinks.iter_mut().for_each(|sink| sink.kind.overwrite());
@@ -343,4 +374,37 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
         (None, None) => 0..all,
     };
     Ok((run, pulses))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn navigation_before_and_past_the_first_pulse() {
+        let at = |second: i64| TimeTag::new(1_416_861_020 + second, 0.0);
+        let text = |last| awaited(last, at(1));
+        insta::assert_snapshot!(text(None), @"no position yet; pulses begin when it has come to 2014-11-24T20:30:21.000000Z");
+        insta::assert_snapshot!(text(Some(at(0))), @"last position at 2014-11-24T20:30:20.000000Z; pulses begin when it has come to 2014-11-24T20:30:21.000000Z");
+        insta::assert_snapshot!(text(Some(at(1))), @"last position at 2014-11-24T20:30:21.000000Z; the first pulse is emitted at 2014-11-24T20:30:21.000000Z");
+    }
+
+    #[test]
+    fn a_priority_has_its_reason() {
+        let text = include_str!("../../configs/coastal.toml");
+        let of = |more: &[(&str, &str)], ahead| {
+            let set: Vec<_> =
+                more.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+            priority(&crate::config::parse(text, Path::new("configs/coastal.toml"), &set).unwrap(), ahead)
+        };
+        assert_eq!(of(&[], true), "real-time priority");
+        assert_eq!(of(&[], false), "ordinary priority (refused)");
+        assert_eq!(
+            of(&[("stream.pacer_priority", "normal")], false),
+            "ordinary priority (stream.pacer_priority)"
+        );
+        assert!(of(&[("radar.prf_hz", "1001")], false).starts_with("ordinary priority (above 1000 pulses/s"));
+    }
 }

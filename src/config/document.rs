@@ -11,6 +11,8 @@ use super::error::{At, Fault, Problem};
 const APPEND: &str = "+";
 /// Longest piece of a scenario that a fault quotes, characters.
 const LONGEST: usize = 60;
+/// Entries of an array that a fault names.
+const MOST_NAMED: usize = 8;
 
 /// A value and its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -246,11 +248,12 @@ fn put_one(root: &mut Node, key: &str, value: Value) -> Result<(), String> {
                 let len = items.len();
                 let part = if part == APPEND { (len - 1).to_string() } else { part.to_owned() };
                 let index = part.parse::<usize>().ok().filter(|index| *index < len);
-                match index {
+                match index.or_else(|| named(items, &part)) {
                     Some(index) => &mut items[index],
                     None if len == 0 => return Err(format!("{parent} has no entries")),
                     None => {
-                        return Err(format!("{parent} has entries 0 to {}, not {part}", len - 1));
+                        let last = len - 1;
+                        return Err(format!("{parent} has entries 0 to {last}{}, not {part}", names(items)));
                     }
                 }
             }
@@ -276,6 +279,27 @@ fn is_section(node: &Node) -> bool {
 
 fn is_sections(node: &Node) -> bool {
     matches!(&node.value, Value::Array(items) if !items.is_empty() && items.iter().all(is_section))
+}
+
+/// The name of an entry of an array.
+fn name_of(item: &Node) -> Option<&str> {
+    item.table()?.iter().find(|entry| entry.name == "name")?.node.text()
+}
+
+/// The only entry of that name.
+fn named(items: &[Node], name: &str) -> Option<usize> {
+    let mut found = (0..items.len()).filter(|index| name_of(&items[*index]) == Some(name));
+    found.next().filter(|_| found.next().is_none())
+}
+
+/// Names of entries, where they have any.
+fn names(items: &[Node]) -> String {
+    let names: Vec<&str> = items.iter().filter_map(name_of).collect();
+    match names.get(..MOST_NAMED) {
+        _ if names.is_empty() => String::new(),
+        Some(first) if names.len() > MOST_NAMED => format!(" ({}, ...)", first.join(", ")),
+        _ => format!(" ({})", names.join(", ")),
+    }
 }
 
 fn write_table(text: &mut String, path: &str, entries: &[Entry]) {

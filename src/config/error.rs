@@ -454,6 +454,18 @@ pub enum Warning {
         /// Whether segments were asked for.
         segmented: bool,
     },
+    /// A recording whose name says another format.
+    #[error(
+        "{} becomes a recording of kind = \"{kind}\", whatever its name says: one that ends in .h5 or .crsd chooses that format, \
+         any other keeps the sink's",
+        path.display()
+    )]
+    Misnamed {
+        /// The recording.
+        path: PathBuf,
+        /// Its format.
+        kind: &'static str,
+    },
     /// An antenna that no channel uses.
     #[error("no channel uses the {what} \"{name}\"")]
     Unused {
@@ -461,6 +473,17 @@ pub enum Warning {
         what: &'static str,
         /// Its name.
         name: String,
+    },
+    /// Ports that transmit together and are no pair.
+    #[error(
+        "\"{transmitter}\" transmits in {ports} with every pulse, which are not orthogonal: no receiver could tell their echoes \
+         apart; channels of H and V, or of R and L, or tx_polarisation = \"alternating\""
+    )]
+    NotOrthogonal {
+        /// The transmitter.
+        transmitter: String,
+        /// Its transmit polarisations.
+        ports: String,
     },
     /// A slick that no facet has.
     #[error("slick \"{name}\" lies outside the patch of sea: no facet has it")]

@@ -71,11 +71,16 @@ use crate::recording::shard::Shard;
 use crate::scene::Scene;
 use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;
+use crate::time::TimeTag;
 use crate::{sinks, transport};
 
 use error::{At, Problem};
 pub use error::{ConfigError, Fault, Warning};
 use section::Files;
+
+/// From the reading of a scenario to its first pulse, where that waits for the clock, s: what making it ready
+/// may take.
+const READY_S: f64 = 3.0;
 
 /// Largest scenario file, bytes.
 pub const LARGEST_FILE: u64 = 4 << 20;
@@ -88,6 +93,9 @@ pub struct Run {
     /// Whether pulse 0 leaves at the first whole second that live navigation covers; `scene.start` only
     /// stands for it.
     pub start_live: bool,
+    /// Whether pulse 0 leaves when the clock of the machine has reached `scene.start` (`start_utc = "now"`,
+    /// for which `text` has the time).
+    pub start_now: bool,
     /// Where platforms go; `nav[i]` belongs to `scene.platforms[i]`.
     pub nav: Vec<PlatformNav>,
     /// Clocks that are wrong.
@@ -118,8 +126,8 @@ pub struct Run {
 }
 
 /// Reads a scenario file. Overrides are (`key`, `value`): dotted path of the key, entries of arrays by number
-/// from 0 (`target.0.rcs_m2`) or `+` for a new one (`sink.+`), and the value as TOML, or as plain text where
-/// it is not TOML.
+/// from 0 (`target.0.rcs_m2`), by name (`target.buoy.rcs_m2`) or `+` for a new one (`sink.+`), and the value
+/// as TOML, or as plain text where it is not TOML.
 ///
 /// # Errors
 /// A file that cannot be read or is no text, and all faults of the scenario, each with its place.
@@ -143,7 +151,39 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigEr
 /// # Errors
 /// All faults of the scenario, each with its place.
 pub fn parse(text: &str, path: &Path, overrides: &[(String, String)]) -> Result<Run, ConfigError> {
-    finished(read(text, path, overrides, Files::Required), path)
+    let run = finished(read(text, path, overrides, Files::Required), path)?;
+    if run.start_now { starting(text, path, overrides, READY_S) } else { Ok(run) }
+}
+
+/// The same with the first whole second as start that is so many seconds ahead, by the clock of the machine.
+fn starting(
+    text: &str,
+    path: &Path,
+    overrides: &[(String, String)],
+    ahead_s: f64,
+) -> Result<Run, ConfigError> {
+    let start = TimeTag::new(TimeTag::now().plus(ahead_s).seconds() + 1, 0.0);
+    let mut overrides = overrides.to_vec();
+    overrides.push(("scene.start_utc".to_owned(), start.to_string()));
+    let run = finished(read(text, path, &overrides, Files::Required), path)?;
+    Ok(Run { start_now: true, ..run })
+}
+
+impl Run {
+    /// The same run, with a start so many seconds ahead ([`Self::start_now`]).
+    ///
+    /// # Errors
+    /// Files of the scenario that have changed since it was read.
+    pub(crate) fn starting_later(&self, ahead_s: f64) -> Result<Self, ConfigError> {
+        let later = starting(&self.text, &self.path, &[], ahead_s)?;
+        Ok(Self {
+            scene: later.scene,
+            nav: later.nav,
+            events: later.events,
+            text: later.text,
+            ..self.clone()
+        })
+    }
 }
 
 /// Reads the scenario that stands inside a recording. Files that it names (tracks, hulls, patterns) are left
@@ -198,6 +238,7 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)], files: Files) -
     let run = run.map(|parts| Run {
         scene: parts.scene,
         start_live: parts.start_live,
+        start_now: parts.start_now,
         nav: parts.nav,
         clocks: parts.clocks,
         calibration: parts.calibration,

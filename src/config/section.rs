@@ -370,13 +370,13 @@ impl<'a> Section<'a> {
         self.typed(key, node, time)
     }
 
-    /// The word of the key (`None` within), or an instant; `None` when absent or faulty.
-    pub(super) fn time_or(&self, key: &'static Key) -> Option<Option<TimeTag>> {
-        let Kind::TimeOr(word) = key.kind else { return None };
-        if self.is_word(key, word) {
-            return Some(None);
+    /// A word of the key (`Err`), or an instant; `None` when absent or faulty.
+    pub(super) fn time_or(&self, key: &'static Key) -> Option<Result<TimeTag, &'static str>> {
+        let Kind::TimeOr(words) = key.kind else { return None };
+        match words.iter().find(|(word, _)| self.is_word(key, word)) {
+            Some((word, _)) => Some(Err(word)),
+            None => self.time(key).map(Ok),
         }
-        self.time(key).map(Some)
     }
 
     /// A list of numbers; `None` when absent without default or faulty.
@@ -436,7 +436,13 @@ impl<'a> Section<'a> {
         let Kind::Words { least, most, .. } = key.kind else { return None };
         let words = match &node.value {
             Value::Array(items) if (least..=most).contains(&items.len()) => {
-                items.iter().map(|item| item.text().and_then(&read)).collect()
+                let word = |item: &Node| item.text().and_then(&read);
+                if let Some(bad) = items.iter().position(|item| word(item).is_none()) {
+                    let found = format!("entry {bad}, {},", items[bad].shown());
+                    self.fault(key, Problem::Type { found, allowed: key.kind.allowed() });
+                    return None;
+                }
+                items.iter().map(word).collect()
             }
             _ => None,
         };

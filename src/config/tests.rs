@@ -328,9 +328,33 @@ fn overrides_are_recorded_as_a_scenario_that_reads_the_same() {
 }
 
 #[test]
+fn entries_are_named_by_number_or_by_name() {
+    let by_name = coastal_with(&[("platform.aircraft.track.velocity_mps", "[0, 77, 0]")]).unwrap();
+    let by_number = coastal_with(&[("platform.1.track.velocity_mps", "[0, 77, 0]")]).unwrap();
+    assert_eq!((by_name.nav, by_name.scene), (by_number.nav, by_number.scene));
+    let unknown = faults_of(&[("platform.plane.track.velocity_mps", "[0, 77, 0]")]);
+    assert!(unknown.contains("platform has entries 0 to 1 (coast, aircraft), not plane"), "{unknown}");
+}
+
+#[test]
+fn transmit_polarisations_that_leave_together_are_a_pair() {
+    let warnings = |channels: &str, more: &[(&str, &str)]| {
+        let set = [&[("radar.channels", channels)], more].concat();
+        let run = coastal_with(&set).unwrap();
+        let known = run.warnings.iter().filter(|warning| matches!(warning, Warning::NotOrthogonal { .. }));
+        known.map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    for fine in ["['HH', 'HV', 'RV']", "['RR', 'RL']", "['VR']"] {
+        assert_eq!(warnings(fine, &[]), "", "{fine}");
+    }
+    assert_eq!(warnings("['RR', 'HV']", &[("radar.tx_polarisation", "alternating")]), "");
+    insta::assert_snapshot!(warnings("['RR', 'HV']", &[]), @r#""tx" transmits in V, R with every pulse, which are not orthogonal: no receiver could tell their echoes apart; channels of H and V, or of R and L, or tx_polarisation = "alternating""#);
+}
+
+#[test]
 fn a_name_is_needed_where_there_are_several() {
     let two = [("transmitter.1", "{}")];
-    assert!(faults_of(&two).contains("transmitter has entries 0 to 0, not 1"));
+    assert!(faults_of(&two).contains("transmitter has entries 0 to 0 (tx), not 1"));
     let both = "[{ name = 'a', platform = 'coast', power_w = 1, antenna = { kind = 'isotropic' } }, \
                  { name = 'b', platform = 'aircraft', power_w = 1, antenna = { kind = 'isotropic' } }]";
     let run = coastal_with(&[("transmitter", both)]).unwrap();

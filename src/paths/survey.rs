@@ -151,9 +151,15 @@ impl PathGenerator {
         let first = self.start;
         let last = self.radar.emissions.emission(first, self.pulses - 1);
         for (platform, tracks) in self.tracks.iter().enumerate() {
+            let mut known = None;
             for (which, track) in [(TrackUse::Truth, &tracks.truth), (TrackUse::Reported, &tracks.reported)] {
                 let (from, to) = (first.plus(-self.looks_back_s(platform, which)), last.plus(after_s));
                 if let Err(source) = track.covers(from, to) {
+                    // A report is mostly made from the track, and lacks the same.
+                    if known.as_ref() == Some(&source) {
+                        continue;
+                    }
+                    known = Some(source.clone());
                     let platform = self.platforms[platform].clone();
                     faults.push(RadarFault::Track { platform, which, from, to, source });
                 }

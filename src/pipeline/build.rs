@@ -46,6 +46,7 @@ use crate::transport::view::{self, Onlooker, View};
 use crate::transport::{self};
 
 use super::changing;
+use super::clock_start;
 use super::control::{CommandQueue, Control, control};
 use super::live::LiveNav;
 use super::memory::{PROGRAM_BYTES, sea_bytes};
@@ -79,6 +80,10 @@ pub struct PulseStream {
     sea_bytes: u64,
     ship_bytes: u64,
     live: Option<LiveFlight>,
+    /// Whether the first pulse waits until the clock shows its emission.
+    waits: bool,
+    /// The run with a start that was put off.
+    later: Option<Box<Run>>,
     changes: Option<Arc<Changes>>,
     control: Option<(Control, CommandQueue)>,
     levels: Arc<OnceLock<Vec<Level>>>,
@@ -113,7 +118,7 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
             return Err(BuildErrors(faults));
         }
     }
-    let Some((nominal, nav)) = LiveNav::open(run)? else { return on_nominal_tracks(run, range) };
+    let Some((nominal, nav)) = LiveNav::open(run)? else { return on_known_tracks(run, range) };
     let mut stream = on_nominal_tracks(&nominal, range)?;
     let block_s = stream.factory.block_pulses() as f64 / run.scene.radar.emissions.mean_prf_hz();
     let needed_s = nav.needed_latency_s(block_s);
@@ -129,6 +134,15 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     let tracks = changing::tracks(tracks, &nominal.scene, stream.changes.as_ref())?;
     stream.live = Some(LiveFlight { nav, nominal, tracks, needed_s });
     Ok(stream)
+}
+
+/// Makes a run ready that flies by no live navigation.
+fn on_known_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
+    let begun = Instant::now();
+    let stream = on_nominal_tracks(run, range.clone())?;
+    let Some(later) = clock_start::later(run, begun.elapsed())? else { return Ok(stream) };
+    let stream = on_nominal_tracks(&later, range)?;
+    Ok(PulseStream { later: Some(Box::new(later)), ..stream })
 }
 
 /// What is wrong if the sea takes more than the system can give.
@@ -249,6 +263,8 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         ship_bytes: of_ships,
         levels: Arc::default(),
         live: None,
+        waits: run.start_now && run.stream.pace == transport::Pace::Realtime,
+        later: None,
         control: changes
             .as_ref()
             .filter(|_| run.control)
@@ -258,9 +274,9 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
 }
 
 impl PulseStream {
-    /// The run as it is run on its nominal trajectory, where live navigation flies it.
+    /// The run as it is run, where that is on a nominal trajectory or with a later start.
     pub fn nominal(&self) -> Option<&Run> {
-        self.live.as_ref().map(|live| &live.nominal)
+        self.live.as_ref().map(|live| &live.nominal).or(self.later.as_deref())
     }
 
     /// Releases pulses so long after their emission, and gives the ring room for them.
@@ -436,6 +452,7 @@ impl PulseStream {
             control,
             levels,
             is_whole,
+            waits,
             ..
         } = self;
         let asked = is_whole.then_some(schedule.count);
@@ -483,6 +500,9 @@ impl PulseStream {
                     }
                 }
             })?;
+        }
+        if waits {
+            clock_start::wait(first, stop);
         }
         let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.

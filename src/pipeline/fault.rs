@@ -1,5 +1,6 @@
 //! Why a run cannot be built, or a pulse not made.
 
+use crate::config::ConfigError;
 use crate::echo::synth::SynthError;
 use crate::fidelity::PlanError;
 use crate::motion::changes::ChangeFault;
@@ -32,6 +33,9 @@ pub enum BuildError {
         /// What is wrong.
         source: SourceError,
     },
+    /// A scenario that is read once more, for a later start.
+    #[error(transparent)]
+    Scenario(Box<ConfigError>),
     /// A track that ends early, met while looking ahead.
     #[error("platform '{platform}', at pulse {pulse}: {source}")]
     Lost {

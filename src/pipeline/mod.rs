@@ -9,6 +9,7 @@ pub(crate) mod block;
 pub mod build;
 #[doc(hidden)]
 pub mod changing;
+mod clock_start;
 #[doc(hidden)]
 pub mod control;
 #[doc(hidden)]

@@ -107,10 +107,10 @@ fn outside_text(outside: &[TargetOutsideWindow], targets: usize) -> String {
     format!("{many}: {}", named.join(", "))
 }
 
-/// Pulses spread over a run, its ends among them.
-fn instants(scene: &Scene) -> Vec<u64> {
+/// Pulses spread over a run, `most` at most, its ends among them.
+pub(crate) fn instants(scene: &Scene, most: u64) -> Vec<u64> {
     let last = scene.pulses.saturating_sub(1);
-    let count = INSTANTS.min(scene.pulses);
+    let count = most.min(scene.pulses);
     // In 128 bits: pulses of long runs times the instants.
     let at = |step: u64| (u128::from(last) * u128::from(step) / u128::from((count - 1).max(1))) as u64;
     (0..count).map(at).collect()
@@ -143,7 +143,8 @@ pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
             let [x_m, y_m, z_m] = phase_centre(tracks, mount, emission(scene, pulse))?.to_array();
             Some((-z_m - scene.frame.earth().drop_m(x_m, y_m), pulse))
         };
-        let deepest = instants(scene).into_iter().filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0));
+        let deepest =
+            instants(scene, INSTANTS).into_iter().filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((depth_m, pulse)) = deepest.filter(|(depth_m, _)| *depth_m > ROUNDING_M) {
             let platform = scene.platforms[mount.platform].clone();
             faults.push(BuildError::BelowSea { antenna: antenna.clone(), platform, depth_m, pulse });
@@ -181,7 +182,7 @@ pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
     let pairs = radar.pairs();
     // Distance from the window, echo and window of the nearest approach.
     let mut nearest: Vec<Option<(f64, f64, f64)>> = vec![None; scene.targets.len()];
-    for pulse in instants(scene) {
+    for pulse in instants(scene, INSTANTS) {
         let time = emission(scene, pulse);
         let end = |mount: &AntennaMount| phase_centre(&tracks, mount, time);
         let ends: Vec<[Point<Enu>; 2]> = pairs

@@ -75,6 +75,20 @@ fn figure(value: f64) -> String {
     if value >= 100.0 { format!("{value:.0}") } else { format!("{value:.3}") }
 }
 
+/// Why a track does not cover what is needed, which is said once.
+fn uncovered(from: TimeTag, to: TimeTag, source: &TrackError) -> String {
+    match source {
+        TrackError::Uncovered { first, last, .. } if from.since(*last) > 0.0 || first.since(to) > 0.0 => {
+            let side = if from.since(*last) > 0.0 { "ends before" } else { "begins after" };
+            format!(
+                "covers {first} to {last}, which {side} the run, {from} to {to}; allowed: a scene.start_utc within the track"
+            )
+        }
+        TrackError::Uncovered { .. } => format!("{source}; scene.start_utc and duration_s have to suit it"),
+        source => format!("needed from {from} to {to}: {source}"),
+    }
+}
+
 fn listed(faults: &[RadarFault]) -> String {
     faults.iter().map(|fault| format!("\n  {fault}")).collect()
 }
@@ -136,7 +150,7 @@ pub enum RadarFault {
     #[error("sea: {0}")]
     Sea(#[from] SeaFault),
     /// A track does not cover the run.
-    #[error("platform '{platform}', {which} track: needed from {from} to {to}: {source}")]
+    #[error("platform '{platform}', {which} track: {}", uncovered(*from, *to, source))]
     Track {
         /// The platform.
         platform: String,

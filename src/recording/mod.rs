@@ -56,7 +56,7 @@ pub mod shard;
 pub mod sigmf;
 #[doc(hidden)]
 pub mod snapshot_file;
-mod source;
+pub(crate) mod source;
 mod unwritten;
 pub mod verify;
 

@@ -18,6 +18,11 @@ pub(super) enum Source {
     Plain(plain::reader::Reader),
 }
 
+/// Pulses of a recording; `None` where it cannot be read, or is of another kind.
+pub(crate) fn pulses_in(path: &Path) -> Option<usize> {
+    Source::open(path).ok().map(|recorded| recorded.pulses())
+}
+
 impl Source {
     pub(super) fn open(path: &Path) -> Result<Self, RecordingError> {
         if path.is_dir() {

@@ -106,6 +106,19 @@ impl Kind {
         }
     }
 
+    /// The format of a recording whose name says another one; `None` where it fits.
+    pub fn misnamed(&self) -> Option<(&Path, &'static str)> {
+        let (path, kind, fits) = match self {
+            Self::Hdf5 { path, .. } => (path, "hdf5", names_hdf5(path)),
+            Self::Plain { path, .. } => (path, "plain", path.extension().is_some_and(|end| end == "plain")),
+            Self::Crsd { path, .. } => (path, "crsd", names_crsd(path)),
+            Self::Vita49(_) | Self::Shm(_) | Self::Zmq(_) | Self::Nav(_) | Self::Null => return None,
+        };
+        let ends = ["h5", "hdf5", "crsd", "plain", "sigmf", "sigmf-meta", "sigmf-data", "zarr"];
+        let names = path.extension().is_some_and(|end| ends.iter().any(|known| end == *known));
+        (names && !fits).then_some((path, kind))
+    }
+
     /// Where it records pulses; none of what sends, or records something else.
     pub fn recording_path(&mut self) -> Option<&mut PathBuf> {
         match self {

@@ -7,7 +7,9 @@ use serde::Serialize;
 
 use crate::files::{self, Draft, FileFault, Recognised};
 use crate::pulse::Pulse;
+use crate::recording::source::pulses_in;
 use crate::transport::fanout::{Fed, Feed};
+use crate::units::counted;
 
 use super::port::PortCounts;
 use super::vita49::WireReport;
@@ -86,8 +88,14 @@ impl Closed {
                 continue;
             }
             let target = draft.target().to_owned();
+            // A run that was stopped may have fewer pulses than what it replaces.
+            let older = if whole || draft.is_in_place() { None } else { pulses_in(&target) };
             match draft.finish(force, &recognise) {
-                Ok(Some(at)) => report.files.push(if at == target { name } else { at }),
+                Ok(Some(at)) => {
+                    let fewer = |older: &usize| *older as u64 > report.pulses && at == target;
+                    report.shortened.extend(older.filter(fewer).map(|older| (name.clone(), older as u64)));
+                    report.files.push(if at == target { name } else { at });
+                }
                 Ok(None) => report.gone.push(name),
                 Err(fault) => {
                     report.files.extend(match &fault {
@@ -140,7 +148,12 @@ impl Closed {
             let name = names.next().unwrap_or_else(|| draft.target().to_owned());
             match draft.present() {
                 Ok(_) if draft.is_gone() => self.report.gone.push(name),
-                Ok(at) | Err(FileFault::Moved { now: Some(at), .. }) => self.report.files.push(at),
+                Ok(at) | Err(FileFault::Moved { now: Some(at), .. }) => {
+                    if !draft.is_in_place() {
+                        self.report.beside.push((name, at.clone()));
+                    }
+                    self.report.files.push(at);
+                }
                 Err(_) => self.report.gone.push(name),
             }
         }
@@ -204,6 +217,12 @@ pub struct SinkReport {
     /// Older parts that were removed, because this run has none in their places.
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "crate::inputs::all_legible")]
     pub removed: Vec<PathBuf>,
+    /// Recordings that a run which was stopped has replaced by shorter ones, and how many pulses they had.
+    #[serde(skip)]
+    pub shortened: Vec<(PathBuf, u64)>,
+    /// Of a run that failed: older outputs that stay, and where the new ones are.
+    #[serde(skip)]
+    pub beside: Vec<(PathBuf, PathBuf)>,
     /// Outputs that another program has moved on or removed after they were complete.
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "crate::inputs::all_legible")]
     pub gone: Vec<PathBuf>,
@@ -244,7 +263,21 @@ impl SinkReport {
         let gone = "moved or removed by another program after it was complete";
         let removed = "older, removed, because this run has no such part";
         let all = [of(&self.kept, kept), of(&self.removed, removed), of(&self.gone, gone)];
-        all.into_iter().flatten().collect()
+        let pulses = counted(self.pulses, "pulse");
+        let shortened = self.shortened.iter().map(|(path, older)| {
+            let older = counted(*older, "pulse");
+            format!("{}: replaced a recording of {older} by one of {pulses}", path.display())
+        });
+        let beside = self.beside.iter().map(|(path, at)| {
+            let (path, at) = (path.display(), at.display());
+            match self.pulses {
+                0 => format!("{path}: kept as it was; {at} has no pulse of this run"),
+                _ => format!(
+                    "{path}: kept as it was; {pulses} of this run are in {at}: mv {at} {path} to use them"
+                ),
+            }
+        });
+        all.into_iter().flatten().chain(shortened).chain(beside).collect()
     }
 }
 

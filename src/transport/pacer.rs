@@ -62,6 +62,11 @@ pub const SPIN_BUDGET: Duration = Duration::from_micros(200);
 /// a core.
 const LEAST_PRI_AHEAD: Duration = Duration::from_millis(1);
 
+/// Whether the pacer of pulses at a mean rate, Hz, asks for real-time priority: [`LEAST_PRI_AHEAD`].
+pub fn may_run_ahead(mean_prf_hz: f64) -> bool {
+    mean_prf_hz * LEAST_PRI_AHEAD.as_secs_f64() <= 1.0 + 1e-9
+}
+
 /// A long wait looks at the stop flag this often.
 const SLICE: Duration = Duration::from_millis(50);
 
@@ -248,10 +253,9 @@ impl Pacer {
         let latency = Duration::try_from_secs_f64(self.settings.latency_s.max(0.0)).unwrap_or(Duration::ZERO);
         let sleeper =
             SpinSleeper::new(SPIN_BUDGET.subsec_nanos()).with_spin_strategy(SpinStrategy::SpinLoopHint);
-        let mean_hz = self.schedule.times.mean_prf_hz();
         if self.settings.pacer_ahead
             && self.settings.pace == Pace::Realtime
-            && mean_hz * LEAST_PRI_AHEAD.as_secs_f64() <= 1.0 + 1e-9
+            && may_run_ahead(self.schedule.times.mean_prf_hz())
         {
             self.health.right(rights::run_ahead());
         }

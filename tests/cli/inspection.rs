@@ -76,6 +76,10 @@ fn check_prints_one_json_object() {
     // 4 channels of 512 complex samples of 8 bytes, 222 times a second.
     let expected = 4.0 * 512.0 * 8.0 * 222.0 / 1e6;
     assert!((report["sample_rate_mb_per_s"].as_f64().unwrap() - expected).abs() < 1e-9);
+    let link = &report["link"];
+    assert_eq!(link["antennas"].as_array().unwrap().len(), 2, "{link}");
+    assert_eq!(link["targets"].as_array().unwrap().len(), 25, "{link}");
+    assert!(link["targets"][24]["compressed_snr_db"].is_number(), "{link}");
     assert!(report["not_modelled"].as_array().unwrap().iter().all(|row| row["how"].is_string()));
 }
 
@@ -112,7 +116,7 @@ fn faults_of_settings_name_the_setting() {
     );
     assert_eq!(ended.code, 2);
     insta::assert_snapshot!(ended.stderr, @r#"
-error: --set: target.9.rcs_m2: no such entry: target has entries 0 to 1, not 9
+error: --set: target.9.rcs_m2: no such entry: target has entries 0 to 1 (sphere, boat), not 9
 --set: radar.prf: unknown key; did you mean prf_hz, in Hz?
 configs/coastal.toml: 2 faults
 "#);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use crate::program::{Ended, nereus, package, started};
 
@@ -97,6 +97,17 @@ fn a_track_that_ends_before_the_run_does_is_refused() {
     assert_eq!(ended.code, 2, "{}", ended.stderr);
     assert!(ended.stderr.contains("missing at the end"), "{}", ended.stderr);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    // Wholly beside it: said once, with what is allowed.
+    let set = ["--set", "scene.start_utc=2018-06-02T00:00:00Z", "--out", "x.plain"];
+    let ended = nereus(folder.path(), &[&["run", &calibration()][..], &set].concat());
+    assert_eq!(
+        (ended.code, ended.stderr.matches("which ends before the run").count()),
+        (2, 1),
+        "{}",
+        ended.stderr
+    );
+    assert!(ended.stderr.contains("allowed: a scene.start_utc within the track"), "{}", ended.stderr);
+    assert_eq!(ended.stderr.matches("2018-06-02T00:00:00").count(), 1, "{}", ended.stderr);
 }
 
 /// A run in real time on a small sea, whose pulses come in blocks: more of them than a millisecond holds.
@@ -149,6 +160,41 @@ fn slipped_time_is_reported() {
 
 /// Ctrl-C ends a run cleanly, and so does whoever stops a service: exit 0, the recording closed and readable.
 #[cfg(unix)]
+/// Stamps are those of the clock at which pulses are emitted, released by the latency later.
+#[test]
+fn a_run_that_starts_now_waits_for_its_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = package().join("configs/live-wire.toml").display().to_string();
+    let clock = || SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();
+    let before_s = clock();
+    let set = ["--set", "scene.start_utc=now", "--set", "sink=[]", "--set", "stream.policy=slip"];
+    let run = ["run", &scenario, "--duration-s", "0.3", "--out", "now.plain", "--json"];
+    let ended = nereus(folder.path(), &[&run[..], &set].concat());
+    let after_s = clock();
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(ended.stderr.contains("pulses begin at 20"), "{}", ended.stderr);
+    let stamps = fs::read(folder.path().join("now.plain/pulse/time_ns.bin")).unwrap();
+    let first_s = i64::from_le_bytes(stamps[..8].try_into().unwrap()) as f64 * 1e-9;
+    // 3 s ahead; the last pulse, 0.3 s later, is released half a second after its stamp.
+    assert!(first_s.fract() == 0.0 && first_s >= before_s + 3.0, "{before_s} {first_s}");
+    assert!(after_s >= first_s + 0.3 + 0.49, "{first_s} {after_s}");
+    let recorded = fs::read_to_string(folder.path().join("now.plain/meta.json")).unwrap();
+    assert!(!recorded.contains("start_utc = \\\"now\\\""), "{recorded}");
+}
+
+#[test]
+fn a_name_that_says_another_format_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = package().join("configs/mocomp-step.toml").display().to_string();
+    let run = ["run", &scenario, "--pace", "fast", "--pulses", "0..4", "--out", "x.sigmf-meta"];
+    let ended = nereus(folder.path(), &run);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let warned = "warning: x.sigmf-meta becomes a recording of kind = \"plain\", whatever its name says";
+    assert!(ended.stderr.contains(warned), "{}", ended.stderr);
+    let ended = nereus(folder.path(), &[&run[..6], &["--out", "x.plain"]].concat());
+    assert!(ended.code == 0 && !ended.stderr.contains("whatever"), "{}", ended.stderr);
+}
+
 #[test]
 fn signals_close_the_recording() {
     ["-INT", "-TERM"].into_iter().for_each(closed_by);

@@ -169,9 +169,9 @@ fn what_does_not_fit_gives_a_warning_and_no_error() {
 warning: the patch of 16 m x 16 m is shorter than the 2221 m that its spectrum asks for: long waves are coarsely drawn
 warning: wind of 26.0 m/s at 10 m: above 25 m/s the laws of wind and waves are extrapolations, and a linear sea is a rough model
 "#);
-    insta::assert_snapshot!(warnings(&["scene.facet_m=1"]), @r#"warning: 3.5 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's"#);
+    insta::assert_snapshot!(warnings(&["scene.facet_m=1"]), @r#"warning: 3.5 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's; scene.facet_m of at most 0.76 would do, with 1.7 times as many facets"#);
     insta::assert_snapshot!(warnings(&["scene.facet_m=8"]), @r#"
-warning: 0.1 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's
+warning: 0.1 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (assumed): below 6 its speckle is not Rayleigh's; scene.facet_m of at most 0.76 would do, with 110.8 times as many facets
 warning: facets of 8 m are longer than a resolution cell of 3.53 m ground range
 "#);
     insta::assert_snapshot!(warnings(&["radar.window.start_us=29.5"]), @r#"warning: the receive window misses the patch at pulse 0: it holds full echoes that begin [29.5, 31.09] us after the emission, those of the patch begin [28.27, 28.34] us"#);

@@ -47,6 +47,22 @@ fn a_run_without_pulses_replaces_nothing() {
 }
 
 #[test]
+fn a_stopped_run_that_replaces_more_than_it_has_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("rec");
+    let notes = |pulses: u64, whole: bool| {
+        let report = plain(&path, true, pulses).close().unwrap().place(whole).unwrap();
+        assert_eq!((indices(&path), &report.files), (pulses, &vec![path.clone()]));
+        report.notes()
+    };
+    assert_eq!(notes(7, false), Vec::<String>::new());
+    let note = format!("{}: replaced a recording of 7 pulses by one of 3 pulses", path.display());
+    assert_eq!(notes(3, false), [note]);
+    // More than before, and what was meant to be as short as it is.
+    assert_eq!((notes(5, false), notes(2, true)), (Vec::new(), Vec::new()));
+}
+
+#[test]
 fn folders_of_somebody_are_no_recording() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("rec");

@@ -175,6 +175,11 @@ mod hdf5 {
         let closed = sink.close().unwrap();
         let kept = closed.keep();
         assert_eq!((pulses(&path), pulses(&kept.files[0])), (70, 10));
+        let (path_text, at) = (path.display(), kept.files[0].display());
+        let note = format!(
+            "{path_text}: kept as it was; 10 pulses of this run are in {at}: mv {at} {path_text} to use them"
+        );
+        assert_eq!(kept.notes(), [note]);
         let mut sink = Box::new(unlocked(|| Hdf5Sink::create(&path, None, true, &header)));
         sink.abandon();
         assert_eq!((pulses(&path), listing(dir.path()).len()), (70, 2));

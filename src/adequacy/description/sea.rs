@@ -195,8 +195,7 @@ fn waves_text(sea: &Sea, seed: u64) -> String {
         WindProfile::Cardone => "Cardone's profile",
         WindProfile::Wu => "Wu's profile",
     };
-    let towards_deg = neat(wind.direction_rad.to_degrees().rem_euclid(360.0));
-    let from_deg = neat((270.0 - towards_deg).rem_euclid(360.0));
+    let from_deg = from_deg(wind.direction_rad);
     let growth = |development: &Development| match development {
         Development::InverseWaveAge(age) => format!("inverse wave age {age}"),
         Development::Fetch(fetch_m) => format!("fetch {} km", neat(fetch_m / 1e3)),
@@ -242,9 +241,23 @@ fn waves_text(sea: &Sea, seed: u64) -> String {
     };
     let tension = if dispersion.capillary { ", surface tension" } else { "" };
     format!(
-        "{spectrum}; wind {strength} in {profile}, towards {towards_deg} deg from East (from {from_deg} deg from North); \
-         {depth}{tension}{shape}; {drawn}"
+        "{spectrum}; wind {strength} in {profile}, from {from_deg} deg ({}); {depth}{tension}{shape}; {drawn}",
+        point_of_compass(from_deg)
     )
+}
+
+/// Where something comes from, degrees clockwise from North, that goes towards an angle from East, rad.
+fn from_deg(towards_rad: f64) -> f64 {
+    neat((270.0 - neat(towards_rad.to_degrees())).rem_euclid(360.0))
+}
+
+/// The nearest of 16 points of the compass, of degrees clockwise from North.
+fn point_of_compass(deg: f64) -> &'static str {
+    const POINTS: [&str; 16] = [
+        "North", "NNE", "NE", "ENE", "East", "ESE", "SE", "SSE", "South", "SSW", "SW", "WSW", "West", "WNW",
+        "NW", "NNW",
+    ];
+    POINTS[(deg.rem_euclid(360.0) / 22.5).round() as usize % 16]
 }
 
 fn swell_text(swell: &Swell) -> String {
@@ -254,11 +267,12 @@ fn swell_text(swell: &Swell) -> String {
             format!("JONSWAP shape, peak enhancement {peak_enhancement}")
         }
     };
+    let from_deg = from_deg(swell.direction_rad);
     format!(
-        "significant height {} m, period {} s, towards {} deg from East, spread {} deg, {shape}",
+        "significant height {} m, period {} s, from {from_deg} deg ({}), spread {} deg, {shape}",
         swell.significant_height_m,
         swell.peak_period_s,
-        neat(swell.direction_rad.to_degrees().rem_euclid(360.0)),
+        point_of_compass(from_deg),
         neat(swell.spread_rad.to_degrees())
     )
 }

@@ -93,8 +93,8 @@ pub enum Kind {
     Name,
     /// An instant, UTC.
     Time,
-    /// An instant, UTC, or one word.
-    TimeOr(&'static str),
+    /// An instant, UTC, or a word: each with where it is allowed.
+    TimeOr(&'static [(&'static str, &'static str)]),
     /// A file that exists, relative to the scenario file.
     File,
     /// A file or folder to be made, relative to the working directory.
@@ -314,8 +314,9 @@ impl Kind {
             Self::Line => "a text of one line".to_owned(),
             Self::Time => "a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"".to_owned(),
             Self::File => "a file that exists (relative to the scenario file)".to_owned(),
-            Self::TimeOr(word) => {
-                format!("\"{word}\", or a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"")
+            Self::TimeOr(words) => {
+                let words = words.iter().map(|(word, place)| format!(", or \"{word}\" {place}"));
+                Self::Time.allowed() + &words.collect::<String>()
             }
             Self::Output => "a path (relative to the working directory)".to_owned(),
             Self::Origin => {

@@ -29,7 +29,7 @@ tables! {
         EARTH "earth", Choice(&["flat", "curved"]), Means("\"curved\" with an origin, \"flat\" without"), "Shape of the mean sea surface.";
         EARTH_RADIUS_FACTOR "earth_radius_factor", number("", 0.1, 100.0), default(1.0), "Curved earth: effective radius over 6371 km; 4/3 is standard refraction.";
         HORIZON "horizon", Kind::Flag, Means("true on a curved earth"), "Curved earth: whether it hides the sea, targets and the direct path beyond the horizon of an antenna. Without diffraction.";
-        START_UTC "start_utc", TimeOr("live"), Means("2000-01-01T00:00:00Z; required with recorded tracks and live navigation"), "Emission of pulse 0. live: the first whole second that live navigation covers.";
+        START_UTC "start_utc", TimeOr(&[("now", "without recorded tracks, logs and live navigation"), ("live", "with live navigation and no recording")]), Means("2000-01-01T00:00:00Z; required with recorded tracks and live navigation"), "Emission of pulse 0, from which all stamps count; release counts from the start of the run, whenever that is. now: the first whole second for which the run is ready, and it waits for it. live: the first whole second that live navigation covers.";
         DURATION_S "duration_s", above("s", 0.0, 1e7), Required, "Pulses leave from start_utc until just before this much later.";
         SEED "seed", count(0, u64::MAX), Count(0), "Seed of every random stream.";
         PATCH "patch", Choice(&["fixed", "follow"]), Word("fixed"), "With [sea]: whether the patch of sea that is modelled stays, or follows a point as the platforms fly on.";

@@ -38,10 +38,14 @@ use crate::scene::clock::Clocks;
 use crate::time::TimeTag;
 use crate::{sinks, transport};
 
+/// The start of a run that waits for the clock of the machine.
+const NOW: &str = "now";
+
 /// What a scenario holds.
 pub(super) struct Parts {
     pub(super) scene: Scene,
     pub(super) start_live: bool,
+    pub(super) start_now: bool,
     pub(super) nav: Vec<PlatformNav>,
     pub(super) clocks: Clocks,
     pub(super) calibration: Vec<Calibration>,
@@ -175,16 +179,23 @@ impl Sources {
             Self { live: true, .. } if !time.start_written => fault(Problem::LiveNeedsStart),
             _ => {}
         }
+        let Some(word) = time.word else { return };
         let known = match self {
-            Self { live: false, .. } => Some(("without live navigation", "a UTC time")),
             Self { recorded: true, .. } => {
                 Some(("beside a recorded track", "a UTC time within the recording"))
             }
             _ if has_ais => Some(("beside a recorded log", "a UTC time within the log")),
+            Self { live: true, .. } if word == NOW => {
+                Some(("with live navigation", "\"live\", or a UTC time"))
+            }
+            Self { live: false, .. } if word != NOW => {
+                Some(("without live navigation", "\"now\", or a UTC time"))
+            }
             _ => None,
         };
-        if let (true, Some((place, allowed))) = (time.live, known) {
-            fault(Problem::Live { found: "\"live\"", place, allowed });
+        if let Some((place, allowed)) = known {
+            let found = if word == NOW { "\"now\"" } else { "\"live\"" };
+            fault(Problem::Live { found, place, allowed });
         }
     }
 }
@@ -259,7 +270,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let (stream, monitor) = stream?;
     Some(Parts {
         scene,
-        start_live: time.live,
+        start_live: time.word.is_some_and(|word| word != NOW),
+        start_now: time.word == Some(NOW),
         nav: nav.into_iter().collect::<Option<_>>()?,
         clocks: clocks.clocks()?,
         calibration: calibration?,
@@ -274,16 +286,15 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
 struct SceneTime {
     start: Option<TimeTag>,
     start_written: bool,
-    /// The first whole second of live navigation; `start` only stands for it.
-    live: bool,
+    /// What stands in place of an instant; `start` only stands for it.
+    word: Option<&'static str>,
     duration_s: Option<f64>,
     seed: Option<u64>,
 }
 
 impl SceneTime {
     /// Of a scenario without `[scene]`.
-    const MISSING: Self =
-        Self { start: None, start_written: true, live: false, duration_s: None, seed: None };
+    const MISSING: Self = Self { start: None, start_written: true, word: None, duration_s: None, seed: None };
 }
 
 fn scene_time(section: &Section<'_>) -> SceneTime {
@@ -299,7 +310,7 @@ fn scene_time(section: &Section<'_>) -> SceneTime {
             Some(midnight_2000)
         },
         start_written,
-        live: given == Some(None),
+        word: given.and_then(Result::err),
         duration_s: section.number(&DURATION_S),
         seed: section.count(&SEED),
     }

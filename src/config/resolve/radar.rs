@@ -92,6 +92,9 @@ pub(super) fn radar(
     plausible::intervals(&section, emissions.as_ref(), pulse_s, limits.window_s);
     if let Some(channels) = &channels {
         warn_unused(&section, channels, &antennas);
+        if tx_polarisation == Some(TxPolarisation::Simultaneous) {
+            warn_inseparable(&section, channels, &antennas);
+        }
     }
     section.finish();
 
@@ -394,6 +397,23 @@ fn check_size(section: &Section<'_>, channels: usize, samples: usize, has_adc: b
     if bytes > LARGEST_PULSE {
         let problem = Problem::PulseSize { bytes, channels, samples: samples as u64, allowed: LARGEST_PULSE };
         section.fault(&keys::radar::WINDOW, problem);
+    }
+}
+
+/// Transmit polarisations that leave together are H and V, or R and L.
+fn warn_inseparable(section: &Section<'_>, channels: &[Channel], antennas: &Antennas<'_>) {
+    for (transmitter, name) in antennas.transmitters.names.iter().enumerate() {
+        let used = |port: &Polarisation| {
+            channels.iter().any(|channel| channel.transmitter == transmitter && channel.tx == *port)
+        };
+        let linear = [Polarisation::H, Polarisation::V].into_iter().filter(used);
+        let circular = [Polarisation::R, Polarisation::L].into_iter().filter(used);
+        let (linear, circular): (Vec<_>, Vec<_>) = (linear.collect(), circular.collect());
+        if let (false, false, Some(transmitter)) = (linear.is_empty(), circular.is_empty(), name.clone()) {
+            let letters = linear.iter().chain(&circular).map(|port| port.letter().to_string());
+            let ports = letters.collect::<Vec<_>>().join(", ");
+            section.reader().warn(Warning::NotOrthogonal { transmitter, ports });
+        }
     }
 }
 

@@ -208,12 +208,12 @@ scenes/bad.toml:2:18: scene.origin_lat_deg: 95 is out of range; allowed: a numbe
 scenes/bad.toml:2:18: scene.origin_lat_deg: stands alone; allowed: origin_lat_deg, origin_lon_deg, origin_h_m together, or none of them
 scenes/bad.toml:3:1: scene.duration: unknown key; did you mean duration_s, in s?
 scenes/bad.toml:4:8: scene.seed: "x" is not allowed; allowed: a whole number from 0 to 2^64 - 1
-scenes/bad.toml:5:13: scene.start_utc: "yesterday" is not allowed; allowed: "live", or a UTC time from 1970 to 2200 such as "2018-05-30T20:15:00.5Z"
+scenes/bad.toml:5:13: scene.start_utc: "yesterday" is not allowed; allowed: a UTC time from 1970 to 2200 such as "2018-05-30T20:15:00.5Z", or "now" without recorded tracks, logs and live navigation, or "live" with live navigation and no recording
 scenes/bad.toml:7:2: radar.carrier_hz: is missing; required: a number from 1e6 to 1e12 Hz
 scenes/bad.toml:8:1: radar.carrier_ghz: unknown key; did you mean carrier_hz, in Hz?
 scenes/bad.toml:10:10: radar.prf_hz: -222 is out of range; allowed: a number from 0.001 to 1e9 Hz
 scenes/bad.toml:11:10: radar.pri_us: prf_hz, pri_us exclude each other; allowed: one of them
-scenes/bad.toml:12:12: radar.channels: ["HH", "XX"] is not allowed; allowed: a list of 1 to 16 texts, each receive then transmit polarisation, each H, V, R or L
+scenes/bad.toml:12:12: radar.channels: entry 1, "XX", is not allowed; allowed: a list of 1 to 16 texts, each receive then transmit polarisation, each H, V, R or L
 scenes/bad.toml:13:19: radar.noise_figure_db: nan is out of range; allowed: a number from 0 to 100 dB
 scenes/bad.toml:17:16: radar.waveform.bandwidth_hz: 6e7 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 5e7 Hz
 scenes/bad.toml:19:1: radar.waveform.path: not allowed here (kind = "lfm")

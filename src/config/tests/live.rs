@@ -84,13 +84,34 @@ fn a_start_that_navigation_decides() {
     assert!(run.start_live);
     // The record of the run reads as the same.
     assert!(parse(&run.text, &in_configs(), &[]).unwrap().start_live);
-    insta::assert_snapshot!(faults(&[("scene.start_utc", "live")]), @r#"scene.start_utc: "live" is not allowed without live navigation; allowed: a UTC time"#);
-    insta::assert_snapshot!(faults(&[track, ("scene.start_utc", "soon")]), @r#"scene.start_utc: "soon" is not allowed; allowed: "live", or a UTC time from 1970 to 2200 such as "2018-05-30T20:15:00.5Z""#);
+    insta::assert_snapshot!(faults(&[("scene.start_utc", "live")]), @r#"scene.start_utc: "live" is not allowed beside a recorded track; allowed: a UTC time within the recording"#);
+    let still = ("platform.1.track", "{ kind = 'fixed', position_m = [0, 0, 9] }");
+    insta::assert_snapshot!(faults(&[still, ("scene.start_utc", "live")]), @r#"scene.start_utc: "live" is not allowed without live navigation; allowed: "now", or a UTC time"#);
+    insta::assert_snapshot!(faults(&[track, ("scene.start_utc", "now")]), @r#"scene.start_utc: "now" is not allowed with live navigation; allowed: "live", or a UTC time"#);
+    insta::assert_snapshot!(faults(&[("scene.start_utc", "now")]), @r#"scene.start_utc: "now" is not allowed beside a recorded track; allowed: a UTC time within the recording"#);
+    insta::assert_snapshot!(faults(&[track, ("scene.start_utc", "soon")]), @r#"scene.start_utc: "soon" is not allowed; allowed: a UTC time from 1970 to 2200 such as "2018-05-30T20:15:00.5Z", or "now" without recorded tracks, logs and live navigation, or "live" with live navigation and no recording"#);
     let mast = ("platform.0.track", "{ kind = 'inspvax', path = 'tracks/cart.inspvax' }");
     insta::assert_snapshot!(faults(&[track, mast, ("scene.start_utc", "live")]), @r#"scene.start_utc: "live" is not allowed beside a recorded track; allowed: a UTC time within the recording"#);
     let without = CART.replace("start_utc", "# start_utc");
     let error = parse(&without, &in_configs(), &settings(&[track])).unwrap_err();
     insta::assert_snapshot!(error.faults()[0], @r#"scene.start_utc: is missing; required with live navigation: "live", or the UTC time at which pulse 0 leaves"#);
+}
+
+#[test]
+fn a_start_that_the_clock_decides() {
+    let before = TimeTag::now();
+    let track = ("platform.1.track", "{ kind = 'fixed', position_m = [0, 0, 9] }");
+    let run = parse(CART, &in_configs(), &settings(&[track, ("scene.start_utc", "now")])).unwrap();
+    // A whole second, 3 to 4 s after it was read.
+    let ahead_s = run.scene.start.since(before);
+    assert!(run.start_now && !run.start_live && run.scene.start.fraction_s() == 0.0);
+    assert!(ahead_s >= 3.0 && run.scene.start.since(TimeTag::now()) <= 4.0, "{ahead_s}");
+    // The record of the run has the time.
+    let again = parse(&run.text, &in_configs(), &[]).unwrap();
+    assert!(!again.start_now && again.scene == run.scene, "{}", run.text);
+    let later = run.starting_later(60.0).unwrap();
+    assert!(later.start_now && later.scene.start.since(run.scene.start) >= 56.0);
+    assert_eq!(parse(&later.text, &in_configs(), &[]).unwrap().scene.start, later.scene.start);
 }
 
 #[test]

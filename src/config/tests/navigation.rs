@@ -49,7 +49,7 @@ fn faults_of_navigation() {
     insta::assert_snapshot!(faults(&[("sink", "[{ kind = 'nav', device = 'udp://x', platform = 'ship', sentences = ['GGA', 'XYZ'], rate_hz = 0 }]")]), @r#"
     sink.0.device: 'udp://x' is no device; allowed: the path of a port, file:PATH, tcp://ADDRESS:PORT or udp://ADDRESS:PORT such as tcp://127.0.0.1:2947
     sink.0.platform: there is no platform "ship"; allowed: mast, cart
-    sink.0.sentences: ["GGA", "XYZ"] is not allowed; allowed: a list of 1 to 7 texts, each GGA, RMC, VTG, HDT, ZDA, GST or PASHR
+    sink.0.sentences: entry 1, "XYZ", is not allowed; allowed: a list of 1 to 7 texts, each GGA, RMC, VTG, HDT, ZDA, GST or PASHR
     sink.0.rate_hz: 0 is out of range; allowed: a number above 0, up to 1000 Hz
     "#);
     insta::assert_snapshot!(faults(&[("sink", "[{ kind = 'nav', path = 'x', format = 'nmea2000' }]")]), @r#"
