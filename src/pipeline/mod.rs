@@ -35,3 +35,4 @@ mod single;
 #[doc(hidden)]
 pub mod stages;
 pub mod tracks;
+mod workers;
