@@ -416,7 +416,7 @@ pub fn rows(budget: &LinkBudget) -> Vec<Described> {
     let mut rows: Vec<Described> =
         budget.antennas.iter().map(|of| described(&of.antenna, antenna_text(of))).collect();
     if let Some(noise_dbw) = budget.noise_dbw {
-        rows.push(described("noise", format!("{noise_dbw:.1} dBW a sample")));
+        rows.push(described("noise", format!("{noise_dbw:.1} dBW per sample")));
     }
     rows.push(described(
         "pulses",
@@ -460,7 +460,7 @@ fn target_text(of: &TargetBudget, budget: &LinkBudget) -> String {
     let level = match (of.power_dbw, &of.channel, of.pulse) {
         (Some(power_dbw), Some(channel), Some(pulse)) => {
             let snr = of.snr_db.zip(of.compressed_snr_db).map_or_else(String::new, |(sample, compressed)| {
-                format!(": SNR {sample:.1} dB a sample, {compressed:.1} dB compressed")
+                format!(": SNR {sample:.1} dB per sample, {compressed:.1} dB compressed")
             });
             format!("{power_dbw:.1} dBW at most (in {channel}, pulse {pulse}){snr}")
         }
@@ -589,7 +589,7 @@ mod tests {
         assert!(text(&found).contains("rx: 0.0 dBi on the boresight, no 3 dB beamwidth; on aircraft"));
         let course = "delay 19.44 to 19.45 us; Doppler -117.4 to 117.9 Hz, folds at +-111 Hz";
         assert!(text(&dark).ends_with(&format!("buoy: nothing is received; {course}")), "{}", text(&dark));
-        let level = "-102.1 dBW at most (in HH, pulse 221): SNR 23.4 dB a sample, 38.8 dB compressed";
+        let level = "-102.1 dBW at most (in HH, pulse 221): SNR 23.4 dB per sample, 38.8 dB compressed";
         assert!(text(&budget(&[])).ends_with(&format!("buoy: {level}; {course}")), "{}", text(&budget(&[])));
     }
 }

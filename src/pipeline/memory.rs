@@ -30,7 +30,7 @@ pub const SHARED_FACET_BYTES: [u64; 2] = [330, 60];
 /// Of each worker, a facet: the reference's, the fast echo's.
 pub const WORKER_FACET_BYTES: [u64; 2] = [700, 430];
 /// More, a facet, where the fast echo makes pulses one by one: shared, of each worker.
-const SINGLE_FACET_BYTES: [u64; 2] = [270, 870];
+const SINGLE_FACET_BYTES: [u64; 2] = [320, 900];
 /// More of each worker, a facet, where waves are choppy: four fields, of every node in the fast echo.
 pub const CHOPPY_FACET_BYTES: [u64; 2] = [32, 64];
 /// Of each worker of the fast echo, a facet, where the patch follows or waves are choppy: a surface of its
