@@ -87,7 +87,7 @@ fn memory_is_that_predicted() {
     let follow = "scene.patch_follow={ kind = \"beside\", platform = \"aircraft\", across_m = -3000.0 }";
     let wide = sized("scene.patch_size_m=[256, 256]", "scene.patch_size_m=[192, 192]");
     let small = "scene.patch_size_m=[32, 32]";
-    let short = sized("scene.duration_s=0.5", "scene.duration_s=0.1");
+    let short = sized("scene.duration_s=0.5", "scene.duration_s=0.2");
     let panels = ["ship.0.echo=true", "ship.0.length_m=50", "ship.0.panel_m=0.8", short];
     let ship = panels.map(|setting| ["--set", setting]).concat();
     for (patch, more) in [

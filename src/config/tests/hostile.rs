@@ -1,5 +1,6 @@
 //! Scenarios that cost more than they hold.
 
+use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
@@ -7,9 +8,18 @@ use crate::config::parse;
 use crate::rng::cases::sized;
 
 fn seconds(text: &str) -> f64 {
-    let begun = Instant::now();
+    let begun = (Instant::now(), processor_s());
     let _ = parse(text, Path::new("hostile.toml"), &[]);
-    begun.elapsed().as_secs_f64()
+    match (begun.1, processor_s()) {
+        (Some(from), Some(to)) => to - from,
+        _ => begun.0.elapsed().as_secs_f64(),
+    }
+}
+
+/// What this thread has had of a processor, s, where the system says: other work on the machine does not count.
+fn processor_s() -> Option<f64> {
+    let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    Some(text.split(' ').next()?.parse::<f64>().ok()? * 1e-9)
 }
 
 /// Before: the columns of a line were counted from its beginning for each value, 24 s.
