@@ -90,7 +90,7 @@ pub struct NavPlayArgs {
     /// How much faster than it was recorded
     #[arg(long, value_name = "X", default_value_t = 1.0)]
     pub rate: f64,
-    /// Bits a second of a serial port
+    /// Bits per second of a serial port
     #[arg(long, default_value_t = 115_200)]
     pub baud: u32,
     /// How it is read and sent
