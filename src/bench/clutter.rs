@@ -87,6 +87,13 @@ pub enum ClutterError {
     Run(#[from] SpeedError),
 }
 
+impl ClutterError {
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        !matches!(self, Self::Run(SpeedError::Run(_)))
+    }
+}
+
 /// One channel under one wind.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Azimuth {

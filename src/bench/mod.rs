@@ -12,7 +12,6 @@
 //! | [`clutter`] | statistics of the sea's echo over the azimuth of the wind |
 //! | [`clutter_files`] | these as CSV and as a picture |
 //! | [`sweep_files`] | that table as CSV and as a picture |
-//! | [`table_and_picture`] | both of these files, in a folder of their own |
 //! | [`sweep`] | a table of speed and error over one or two settings |
 //! | [`resources`] | memory, data rate and size of a run, before it |
 
@@ -28,4 +27,4 @@ pub mod settings;
 pub mod speed;
 pub mod sweep;
 pub mod sweep_files;
-pub mod table_and_picture;
+pub(crate) mod table_and_picture;

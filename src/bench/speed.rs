@@ -71,6 +71,13 @@ pub enum SpeedError {
     Run(Box<RunFailure>),
 }
 
+impl SpeedError {
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        matches!(self, Self::Build(_))
+    }
+}
+
 /// Runs a stream to its end, or for so long but not for less than a few blocks, and measures it. Give it a
 /// run without sinks, at pace `fast`.
 ///

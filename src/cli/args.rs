@@ -53,7 +53,7 @@ pub enum Command {
     Table(Box<TableArgs>),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
-    /// Turn a recording into a format of others: CRSD 1.0, SigMF
+    /// Export a recording to CRSD 1.0 or SigMF
     Export(ExportArgs),
     /// Show a recording in the browser, as `run --monitor` shows a run
     Monitor(MonitorArgs),

@@ -169,7 +169,7 @@ fn add_stages(report: &mut Report, speed: &Speed, calibrated: Option<Calibrated>
             predicted.map_or_else(String::new, |seconds| format!("  (predicted {:.3}{with})", 1e3 * seconds));
         report.row(
             format!("stage {}", stage.name()),
-            format!("{:8.3} ms a pulse {share:5.1} %{predicted}", 1e3 * seconds(stage)),
+            format!("{:8.3} ms per pulse {share:5.1} %{predicted}", 1e3 * seconds(stage)),
         );
     }
     let stages: BTreeMap<&str, f64> = Stage::ALL.iter().map(|stage| (stage.name(), seconds(stage))).collect();

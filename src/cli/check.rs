@@ -54,11 +54,11 @@ fn report(run: &Run, found: &Assessment) -> Report {
     report.section("sea", &sea.as_ref().map(sea::rows).unwrap_or_default()).value("sea", sea);
     report.section("ships", &sea.as_ref().map(|sea| ships::rows(&sea.ships)).unwrap_or_default());
     report.section("recorded tracks", tracks).value("tracks", tracks);
-    let rows = plan.as_ref().map(PlanReport::rows).unwrap_or_default();
-    report.section("plan, predicted", &rows).value("plan", plan);
     if let Some(forecast) = forecast {
         add_forecast(&mut report, forecast);
     }
+    let rows = plan.as_ref().map(PlanReport::rows).unwrap_or_default();
+    report.section("plan, predicted", &rows).value("plan", plan);
     report.section("not modelled", &models.without).value("not_modelled", &models.without);
     report.value("forecast", forecast).value("warnings", warnings);
     report
@@ -90,7 +90,7 @@ fn scenario_report(run: &Run) -> Report {
         .row(
             "data",
             format!(
-                "{rate:.3} MB/s of samples, {all:.3} MB in all; {bytes} bytes a pulse in memory, {memory_mib:.1} MiB of ring and queues"
+                "{rate:.3} MB/s of samples, {all:.3} MB in all; {bytes} bytes per pulse in memory, {memory_mib:.1} MiB of ring and queues"
             ),
         )
         .value("pulse_bytes", bytes)
@@ -104,7 +104,7 @@ fn add_forecast(report: &mut Report, forecast: &Resources) {
     let threads = counted(forecast.threads, "thread");
     let (speed, factor) = (digits(forecast.pulses_per_s), digits(forecast.real_time_factor));
     let trial = counted(forecast.trial_pulses, "pulse");
-    report.title("forecast");
+    report.title("forecast (measured on this machine)");
     report.row(
         "speed",
         format!("{speed} pulses/s with {threads} ({trial} made for this forecast): {factor} times real time"),

@@ -126,8 +126,10 @@ fn named(path: &Path, fault: &FocusError) -> String {
 /// The error of commands: their own, and those of the library, each with whether the input is wrong.
 macro_rules! causes {
     ($($(#[$when:meta])? $name:ident($source:ty): $about:literal, $is_wrong_input:expr;)*) => {
-        /// Why a command ends early.
+        /// Why a command ends early. [`Self::Config`], [`Self::Build`] and [`Self::exit_code`] are interface;
+        /// the other variants, and what they hold, may change.
         #[derive(Debug, Error)]
+        #[non_exhaustive]
         pub enum CliError {
             /// Standard output cannot be written.
             #[error("cannot write to standard output: {0}")]
@@ -175,54 +177,44 @@ macro_rules! causes {
 }
 
 causes! {
-    Refused(Refused): "What was asked for cannot be.", |_| true;
+    Refused(Refused): "What was asked for cannot be done.", |_| true;
     Config(crate::config::ConfigError): "The scenario is wrong.", |_| true;
     Build(crate::pipeline::fault::BuildErrors): "The run cannot be built.", |_| true;
-    Redirection(crate::sinks::redirection::RedirectionError): "The recording cannot go elsewhere.", |_| true;
+    Redirection(crate::sinks::redirection::RedirectionError): "`--out` cannot take the recording.", |_| true;
     #[cfg(feature = "hdf5")]
-    Merge(crate::recording::merge::MergeError): "Recordings cannot be joined.", |error| match error {
-        crate::recording::merge::MergeError::Recording(error) => error.is_wrong_input(),
-        _ => true,
-    };
-    Examination(crate::recording::examination::ExaminationError): "A recording that is not read.", |_| true;
-    Recording(crate::recording::RecordingError): "A recording that cannot be read.", |error| match error {
+    Merge(crate::recording::merge::MergeError): "Recordings cannot be joined.", |e| e.is_wrong_input();
+    Examination(crate::recording::examination::ExaminationError): "A recording is damaged or forged and is not read.", |_| true;
+    // What the HDF5 library refuses to read is a damaged file; what it fails to write is not (Merge).
+    Recording(crate::recording::RecordingError): "A recording cannot be read.", |error| match error {
         crate::recording::RecordingError::File(fault) => fault.is_wrong_input(),
         _ => true,
     };
-    Pattern(crate::radar::pattern::PatternError): "An antenna pattern.", |_| true;
-    Control(crate::pipeline::control_lines::ControlFault): "No control.", |_| true;
-    Line(crate::pipeline::control_lines::LineError): "A run refuses a line.", |e| e.is_wrong_input();
+    Pattern(crate::radar::pattern::PatternError): "An antenna pattern cannot be used.", |_| true;
+    Control(crate::pipeline::control_lines::ControlFault): "The control socket cannot be made.", |_| true;
+    Line(crate::pipeline::control_lines::LineError): "A run does not answer, or refuses a line.", |e| e.is_wrong_input();
     #[cfg(feature = "monitor")]
-    Monitor(crate::monitor::MonitorFault): "No live page.", |_| true;
+    Monitor(crate::monitor::MonitorFault): "The live page cannot be served.", |_| true;
     Export(crate::recording::crsd::ExportError): "A recording is not exported.", |e| e.is_wrong_input();
-    Receive(crate::receive::ReceiveError): "Nothing can be received.", |error| match error {
-        // A full disk is not wrong input, nor is a socket that breaks.
-        crate::receive::ReceiveError::Record(error) => error.is_wrong_input(),
-        crate::receive::ReceiveError::Socket { .. } => false,
-        _ => true,
-    };
-    Speed(SpeedError): "No figures.", |error| matches!(error, SpeedError::Build(_));
-    Clutter(ClutterError): "No speckle.", |e| !matches!(e, ClutterError::Run(SpeedError::Run(_)));
-    Wind(crate::sea::wind::WindError): "A wind of a table.", |_| true;
-    Spectrum(crate::sea::spectrum::SpectrumError): "A spectrum of a table.", |_| true;
-    Hull(crate::scene::hull::HullError): "A hull of a table.", |_| true;
-    Kochin(crate::sea::wake::kochin::KochinError): "A ship's waves.", |_| true;
-    Permittivity(crate::scattering::permittivity::PermittivityError): "The water of a table.", |_| true;
-    Measured(crate::scattering::clutter_nrl::ClutterError): "A model of measured clutter.", |_| true;
-    Realise(crate::sea::realise::RealiseError): "Wind, spectrum, grid or saved state of a sea.", |_| true;
-    Surface(crate::sea::wake::WakeError): "A sea at a time out of range.", |_| true;
+    Receive(crate::receive::ReceiveError): "Nothing can be received.", |e| e.is_wrong_input();
+    Speed(SpeedError): "A run cannot be measured.", |e| e.is_wrong_input();
+    Clutter(ClutterError): "Statistics of clutter cannot be measured.", |e| e.is_wrong_input();
+    Wind(crate::sea::wind::WindError): "A wind is out of range.", |_| true;
+    Spectrum(crate::sea::spectrum::SpectrumError): "A spectrum cannot be used.", |_| true;
+    Hull(crate::scene::hull::HullError): "A hull cannot be used.", |_| true;
+    Kochin(crate::sea::wake::kochin::KochinError): "The waves of a ship cannot be computed.", |_| true;
+    Permittivity(crate::scattering::permittivity::PermittivityError): "Water is out of range.", |_| true;
+    Measured(crate::scattering::clutter_nrl::ClutterError): "A model of measured clutter does not hold.", |_| true;
+    Realise(crate::sea::realise::RealiseError): "A sea cannot be made: wind, spectrum, grid or saved state.", |_| true;
+    Surface(crate::sea::wake::WakeError): "A time is out of range of the sea.", |_| true;
     State(crate::sea::surface::StateError): "The state of a sea cannot be written.", |_| false;
     File(crate::recording::output::OutputError): "A file cannot be made.", |e| e.is_wrong_input();
-    Fields(FieldFileError): "No map or image.", |e| !matches!(e, FieldFileError::Hdf5 { .. });
+    Fields(FieldFileError): "A map or image cannot be written.", |e| e.is_wrong_input();
     Picture(crate::plot::picture::PictureError): "A picture cannot be drawn.", |_| true;
     Plot(crate::plot::chart::PlotError): "A plot cannot be drawn.", |_| true;
-    PictureFile(PictureFileError): "A picture cannot be written.", |error| match error {
-        PictureFileError::Output(error) => error.is_wrong_input(),
-        PictureFileError::Png(_) => false,
-    };
+    PictureFile(PictureFileError): "A picture cannot be written.", |e| e.is_wrong_input();
     Inspection(crate::nav::inspection::InspectionError): "Recorded navigation cannot be read.", |_| true;
     NavOutput(crate::pipeline::nav_output::NavOutputError): "Navigation is not sent on.", |e| e.is_wrong_input();
-    Device(crate::sinks::port::NotADevice): "Not a device.", |_| true;
+    Device(crate::sinks::port::NotADevice): "A word names no device.", |_| true;
 }
 
 impl From<SeaMapError> for CliError {
@@ -241,6 +233,70 @@ impl From<crate::monitor::replay::ReplayError> for CliError {
         match error {
             crate::monitor::replay::ReplayError::Recording(error) => error.into(),
             crate::monitor::replay::ReplayError::Monitor(fault) => fault.into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::FileFault;
+    use crate::recording::RecordingError;
+    use crate::recording::field_file::FieldFileError;
+
+    fn io() -> io::Error {
+        io::Error::from(io::ErrorKind::StorageFull)
+    }
+
+    fn file() -> FileFault {
+        FileFault::io("a.h5".as_ref(), "writing")(io())
+    }
+
+    fn hdf5() -> RecordingError {
+        RecordingError::Hdf5 { path: "a.h5".into(), action: "writing", detail: "no".to_owned() }
+    }
+
+    /// Exit 1: the machine fell short; 2: the input is wrong.
+    #[test]
+    fn exit_codes_tell_wrong_input_from_a_failure() {
+        use crate::pipeline::control_lines::LineError;
+        use crate::pipeline::nav_output::NavOutputError;
+        use crate::plot::canvas::PngError;
+        use crate::receive::ReceiveError;
+        use crate::sea::surface::StateError;
+        let (path, device, address) = (PathBuf::from("a"), "b".to_owned(), "c".to_owned());
+        let png = PngError::from(png::EncodingError::from(io()));
+        let failures: [CliError; 10] = [
+            CliError::Output(io()),
+            RecordingError::File(file()).into(),
+            ReceiveError::Socket { address, source: io() }.into(),
+            FieldFileError::Hdf5 { path: path.clone(), detail: String::new() }.into(),
+            FieldFileError::Facets { layer: String::new(), values: 1, facets: 2 }.into(),
+            StateError::Io(io()).into(),
+            PictureFileError::Png(png).into(),
+            LineError::Silent { path: path.clone(), source: io() }.into(),
+            NavOutputError::Port { device, action: "writing", source: io() }.into(),
+            CliError::NotWhole { path: path.clone(), faults: 1 },
+        ];
+        for error in failures {
+            assert_eq!(error.exit_code(), 1, "{error}");
+        }
+        let wrong: [CliError; 6] = [
+            Refused::value("drop", 2, "0 to 1").into(),
+            // A file that the library cannot read is damaged.
+            hdf5().into(),
+            RecordingError::File(FileFault::Exists { path: path.clone() }).into(),
+            FieldFileError::NoHdf5 { path: path.clone() }.into(),
+            crate::recording::output::OutputError::Twice { path: path.clone() }.into(),
+            LineError::Line { bytes: 1 }.into(),
+        ];
+        for error in wrong {
+            assert_eq!(error.exit_code(), 2, "{error}");
+        }
+        #[cfg(feature = "hdf5")]
+        for error in [hdf5(), RecordingError::File(file())] {
+            let error = CliError::from(crate::recording::merge::MergeError::from(error));
+            assert_eq!(error.exit_code(), 1, "{error}");
         }
     }
 }

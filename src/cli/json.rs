@@ -32,10 +32,15 @@ mod tests {
     #[test]
     fn what_acts_on_a_terminal_stays_json() {
         let name = "a\u{202e}\u{7f}\u{9b}\u{200e}\u{2028}\u{2029}\u{61c}\u{1b}\n\"é";
-        let text = escaped(serde_json::to_string(&[name]).unwrap());
+        let mut report = crate::cli::report::Report::default();
+        report.value("names", [name]);
+        let text = report.json().unwrap();
         assert!(!text.contains(acts), "{text}");
-        assert!(text.starts_with(r#"["a\u202e\u007f\u009b\u200e\u2028\u2029\u061c\u001b\n\"é""#), "{text}");
-        let back: Vec<String> = serde_json::from_str(&text).unwrap();
-        assert_eq!(back, [name]);
+        assert!(
+            text.starts_with(r#"{"names":["a\u202e\u007f\u009b\u200e\u2028\u2029\u061c\u001b\n\"é""#),
+            "{text}"
+        );
+        let back: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(back["names"][0], name);
     }
 }

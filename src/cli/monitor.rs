@@ -41,7 +41,7 @@ pub(super) mod page {
     use crate::monitor::{Endpoint, Monitor, Scenery, queue_pulses};
     use crate::pipeline::build::PulseStream;
     use crate::pipeline::control::Control;
-    use crate::recording::examination::survive;
+    use crate::recording::examination::refuse_fatal;
     use crate::scene::Scene;
     use crate::transport::view::View;
 
@@ -93,7 +93,7 @@ pub(super) mod page {
     /// Shows a recording.
     pub fn replay(args: &MonitorArgs) -> Result<(), CliError> {
         // What a damaged recording holds is shown as far as it goes.
-        survive(&args.recording)?;
+        refuse_fatal(&args.recording)?;
         let endpoint = Endpoint::at(&args.listen)?;
         let url = endpoint.url();
         let open_to_others = endpoint.is_open_to_others();

@@ -30,7 +30,7 @@ pub struct SpeckleArgs {
     /// The scenario
     #[command(flatten)]
     pub scenario: ScenarioArgs,
-    /// Azimuths of the wind, evenly over 360 degrees from 0: downwind
+    /// Wind azimuths, evenly spaced; the first is downwind
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = counts(1, 360))]
     pub winds: u64,
     /// Channels to analyse [default: all]

@@ -9,7 +9,7 @@ use super::error::CliError;
 use super::report::Report;
 use super::scenario::JsonArg;
 use super::{counted, escape};
-use crate::recording::examination::survive;
+use crate::recording::examination::refuse_fatal;
 use crate::recording::verify::{Verdict, verify as read_all};
 
 /// `nereus verify`
@@ -35,13 +35,13 @@ pub(super) fn examine_here(args: &ExamineArgs) -> Result<(), CliError> {
     return Ok(crate::recording::examination::read_under_limits(&args.recording)?);
     // A build without HDF5 reads no such file.
     #[cfg(not(feature = "hdf5"))]
-    Err(crate::sinks::redirection::RedirectionError::NoHdf5 { out: args.recording.clone() }.into())
+    Err(crate::recording::RecordingError::NoHdf5 { path: args.recording.clone() }.into())
 }
 
 /// Reads all of it, and reports.
 pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliError> {
     // What a damaged recording lacks is reported below.
-    survive(&args.recording)?;
+    refuse_fatal(&args.recording)?;
     let verdict = read_all(&args.recording)?;
     report(&verdict).print(args.format.json, out)?;
     if verdict.whole {

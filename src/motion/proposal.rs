@@ -19,6 +19,18 @@ const REJECTED_ONE_IN: usize = 100;
 /// Fixes on which settings are tried at most.
 const TRIED: usize = 20_000;
 
+/// Whether a scenario must state what heights of such a recording are measured from.
+fn takes_datum(encoding: Encoding, fixes: &[Fix]) -> bool {
+    let is_local = fixes.first().is_some_and(|fix| matches!(fix.place, Place::Local(_)));
+    matches!(encoding, Encoding::Csv | Encoding::Nmea) && !is_local
+}
+
+/// Whether the block lacks a datum, which the scenario must add: a wrong one moves the platform by tens of
+/// metres.
+pub fn lacks_datum(encoding: Encoding, how: &Reading, fixes: &[Fix]) -> bool {
+    how.datum.is_none() && takes_datum(encoding, fixes)
+}
+
 /// The block, on one line; none of a capture, which no scenario reads. Paths in a scenario are relative to
 /// its file.
 pub fn block(file: &Path, encoding: Encoding, how: &Reading, fixes: &[Fix]) -> Option<String> {
@@ -32,13 +44,13 @@ pub fn block(file: &Path, encoding: Encoding, how: &Reading, fixes: &[Fix]) -> O
     };
     let path = toml::Value::from(file.to_str()?);
     let mut text = format!("track = {{ kind = \"{}\", path = {path}", encoding.name());
-    let local = matches!(fixes.first()?.place, Place::Local(_));
+    fixes.first()?;
     // Writing to a String cannot fail.
-    let _ = match (encoding, how.datum) {
-        (Encoding::Sbet, _) => write!(text, ", gps_week = {gps_week}"),
-        (Encoding::Csv, _) if local => Ok(()),
-        (Encoding::Csv | Encoding::Nmea, VerticalDatum::Ellipsoid) => write!(text, ", datum = \"ellipsoid\""),
-        (Encoding::Csv | Encoding::Nmea, VerticalDatum::MeanSeaLevel) => write!(text, ", datum = \"msl\""),
+    let _ = match how.datum {
+        _ if encoding == Encoding::Sbet => write!(text, ", gps_week = {gps_week}"),
+        _ if !takes_datum(encoding, fixes) => Ok(()),
+        Some(VerticalDatum::Ellipsoid) => write!(text, ", datum = \"ellipsoid\""),
+        Some(VerticalDatum::MeanSeaLevel) => write!(text, ", datum = \"msl\""),
         _ => Ok(()),
     };
     let intervals: Vec<f64> = fixes.windows(2).map(|pair| pair[1].time.since(pair[0].time)).collect();

@@ -54,8 +54,8 @@ pub struct Reading {
     pub encoding: Option<Encoding>,
     /// GPS week of the first record of an SBET.
     pub gps_week: Option<u32>,
-    /// What heights are measured from, where the file does not say.
-    pub datum: VerticalDatum,
+    /// What heights are measured from, where the file does not say; `None`: the ellipsoid is supposed.
+    pub datum: Option<VerticalDatum>,
     /// Height of mean sea level above the ellipsoid, m.
     pub undulation_m: f64,
 }
@@ -179,7 +179,7 @@ impl Recorded {
         let source = |format| FileSource {
             path: path.to_owned(),
             format,
-            datum: how.datum,
+            datum: how.datum.unwrap_or(VerticalDatum::Ellipsoid),
             undulation_m: how.undulation_m,
             max_gap_s: f64::INFINITY,
             smoothing: Smoothing::Off,

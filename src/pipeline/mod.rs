@@ -22,8 +22,7 @@ pub mod fault;
 pub mod live;
 #[doc(hidden)]
 pub mod memory;
-#[doc(hidden)]
-pub mod nav_output;
+pub(crate) mod nav_output;
 mod navigation;
 pub mod released;
 pub(crate) mod outputs;

@@ -82,8 +82,16 @@ fn recognise(path: &Path) -> Recognised {
     if is_table { Ok(Holding::File) } else { port::recognise(path) }
 }
 
-/// Sends states to a port, every one at its time after the first, `rate` times as fast, and returns what was
-/// sent. A file that exists is replaced only by force.
+/// What was sent to a port.
+pub struct Played {
+    /// Messages and losses.
+    pub counts: PortCounts,
+    /// From the opened port to its last byte.
+    pub lasted: Duration,
+}
+
+/// Sends states to a port, every one at its time after the first, `rate` times as fast. A file that exists is
+/// replaced only by force.
 ///
 /// # Errors
 /// A state that the format cannot hold, a port that cannot be opened or does not take the messages.
@@ -93,7 +101,7 @@ pub fn play(
     device: &Device,
     rate: f64,
     force: bool,
-) -> Result<PortCounts, NavOutputError> {
+) -> Result<Played, NavOutputError> {
     let mut message = Vec::new();
     // What cannot be reported is known before the port is opened.
     for (number, solution) in (1..).zip(solutions) {
@@ -101,11 +109,13 @@ pub fn play(
         format.write(solution, &mut message).map_err(|source| Unwritable::of(number, solution, source))?;
     }
     let failed = |action| move |source| NavOutputError::Port { device: device.to_string(), action, source };
-    let fault = |fault| match fault {
-        PortFault::System(source) => failed("cannot open the port")(source),
-        PortFault::File(fault) => NavOutputError::Output(fault),
+    let fault = |action| {
+        move |fault| match fault {
+            PortFault::System(source) => failed(action)(source),
+            PortFault::File(fault) => NavOutputError::Output(fault),
+        }
     };
-    let mut port = Port::open(device.clone(), force).map_err(fault)?;
+    let mut port = Port::open(device.clone(), force).map_err(fault("cannot open the port"))?;
     let begun = Instant::now();
     for solution in solutions {
         let due = Duration::from_secs_f64(solution.time.since(solutions[0].time).max(0.0) / rate);
@@ -118,8 +128,9 @@ pub fn play(
             break;
         }
     }
-    match port.fault() {
-        Some(source) => Err(failed("writing")(source)),
-        None => port.finish(LAST_BYTES).map_err(fault),
+    if let Some(source) = port.fault() {
+        return Err(failed("writing")(source));
     }
+    let counts = port.finish(LAST_BYTES).map_err(fault("writing"))?;
+    Ok(Played { counts, lasted: begun.elapsed() })
 }

@@ -43,6 +43,16 @@ pub enum PictureFileError {
     Png(#[from] PngError),
 }
 
+impl PictureFileError {
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        match self {
+            Self::Output(error) => error.is_wrong_input(),
+            Self::Png(_) => false,
+        }
+    }
+}
+
 /// How letters look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {

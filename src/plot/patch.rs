@@ -6,7 +6,6 @@ use super::canvas::Canvas;
 use super::colours::ColourMap;
 use super::picture::{Axis, Limits, Picture, PictureError, Reduction};
 use crate::paths::snapshot::Snapshot;
-use crate::recording::map_file::sea_layers;
 use crate::scene::Patch;
 use crate::sea::surface::{Fields, Selection};
 
@@ -22,67 +21,90 @@ pub struct SeaField {
     pub meaning: &'static str,
     /// Title of its picture.
     pub title: &'static str,
-    kind: Kind,
-    /// The layer of a map of the sea that is shown, or those whose magnitude is.
-    layers: &'static [&'static str],
+    /// Quantity and unit.
+    quantity: &'static str,
+    /// What must be evaluated for it.
+    selection: Selection,
+    /// The values that are shown, or those whose magnitude is.
+    values: &'static [Values],
 }
 
-/// Quantity and unit, and what must be evaluated.
-type Kind = (&'static str, Selection);
+/// Where values are among all fields.
+type Values = fn(&Fields<f64>) -> &[f64];
 
-const HEIGHT: Kind = ("height, m", Selection::HEIGHT);
-const SLOPE: Kind = ("slope", Selection { slopes: true, ..Selection::HEIGHT });
-const VELOCITY: Kind = ("velocity, m/s", Selection { velocity: true, ..Selection::HEIGHT });
-const DISPLACEMENT: Kind = ("displacement, m", Selection { displacement: true, ..Selection::HEIGHT });
-
-const EAST: &str = "Orbital velocity to the East";
-const NORTH: &str = "Orbital velocity to the North";
-const UP: &str = "Orbital velocity upward";
+const HEIGHT: SeaField = SeaField {
+    name: "height",
+    meaning: "Height above the mean surface",
+    title: "Height of the sea",
+    quantity: "height, m",
+    selection: Selection::HEIGHT,
+    values: &[|f| &f.height_m],
+};
+const SLOPE: SeaField = SeaField {
+    name: "slope",
+    meaning: "Steepness, whatever its direction",
+    title: "Slope of the sea",
+    quantity: "slope",
+    selection: Selection { slopes: true, ..Selection::HEIGHT },
+    values: &[|f| &f.slope[0], |f| &f.slope[1]],
+};
 
 /// Every field that can be shown, the height first.
 pub const SEA_FIELDS: [SeaField; 9] = [
-    of("height", ["Height above the mean surface", "Height of the sea"], HEIGHT, &["height_m"]),
-    of("slope", ["Steepness, whatever its direction", "Slope of the sea"], SLOPE, &["slope_x", "slope_y"]),
-    of("slope-x", ["Slope to the East", "Slope of the sea to the East"], SLOPE, &["slope_x"]),
-    of("slope-y", ["Slope to the North", "Slope of the sea to the North"], SLOPE, &["slope_y"]),
-    of("velocity-x", [EAST, EAST], VELOCITY, &["velocity_x_mps"]),
-    of("velocity-y", [NORTH, NORTH], VELOCITY, &["velocity_y_mps"]),
-    of("velocity-up", [UP, UP], VELOCITY, &["velocity_up_mps"]),
-    of(
-        "displacement-x",
-        ["Horizontal displacement to the East", "Displacement to the East"],
-        DISPLACEMENT,
-        &["displacement_x_m"],
-    ),
-    of(
-        "displacement-y",
-        ["Horizontal displacement to the North", "Displacement to the North"],
-        DISPLACEMENT,
-        &["displacement_y_m"],
-    ),
+    HEIGHT,
+    SLOPE,
+    SeaField {
+        name: "slope-x",
+        meaning: "Slope to the East",
+        title: "Slope of the sea to the East",
+        values: &[|f| &f.slope[0]],
+        ..SLOPE
+    },
+    SeaField {
+        name: "slope-y",
+        meaning: "Slope to the North",
+        title: "Slope of the sea to the North",
+        values: &[|f| &f.slope[1]],
+        ..SLOPE
+    },
+    velocity("velocity-x", "Orbital velocity to the East", &[|f| &f.velocity_mps[0]]),
+    velocity("velocity-y", "Orbital velocity to the North", &[|f| &f.velocity_mps[1]]),
+    velocity("velocity-up", "Orbital velocity upward", &[|f| &f.velocity_mps[2]]),
+    SeaField {
+        name: "displacement-x",
+        meaning: "Horizontal displacement to the East",
+        title: "Displacement to the East",
+        ..displacement(&[|f| &f.displacement_m[0]])
+    },
+    SeaField {
+        name: "displacement-y",
+        meaning: "Horizontal displacement to the North",
+        title: "Displacement to the North",
+        ..displacement(&[|f| &f.displacement_m[1]])
+    },
 ];
 
-const fn of(
-    name: &'static str,
-    [meaning, title]: [&'static str; 2],
-    kind: Kind,
-    layers: &'static [&'static str],
-) -> SeaField {
-    SeaField { name, meaning, title, kind, layers }
+const fn velocity(name: &'static str, meaning: &'static str, values: &'static [Values]) -> SeaField {
+    let selection = Selection { velocity: true, ..Selection::HEIGHT };
+    SeaField { name, meaning, title: meaning, quantity: "velocity, m/s", selection, values }
+}
+
+const fn displacement(values: &'static [Values]) -> SeaField {
+    let selection = Selection { displacement: true, ..Selection::HEIGHT };
+    SeaField { quantity: "displacement, m", selection, values, ..HEIGHT }
 }
 
 impl SeaField {
     /// What must be evaluated for it.
     pub fn selection(&self) -> Selection {
-        self.kind.1
+        self.selection
     }
 
     /// Its values, `[iy][ix]`.
     fn values<'a>(&self, fields: &'a Fields<f64>) -> Cow<'a, [f64]> {
-        let mut shown = sea_layers(fields).into_iter().filter(|layer| self.layers.contains(&layer.name));
-        match (shown.next(), shown.next()) {
-            (Some(x), Some(y)) => x.values.iter().zip(y.values).map(|(x, y)| x.hypot(*y)).collect(),
-            (only, _) => Cow::Borrowed(only.map_or(&[], |layer| layer.values)),
+        match self.values {
+            [x, y] => x(fields).iter().zip(y(fields)).map(|(x, y)| x.hypot(*y)).collect(),
+            several => Cow::Borrowed(several.first().map_or(&[], |values| values(fields))),
         }
     }
 
@@ -93,9 +115,9 @@ impl SeaField {
     pub fn draw(&self, title: &str, patch: &Patch, fields: &Fields<f64>) -> Result<Canvas, PictureError> {
         let (values, [x, y]) = (self.values(fields), axes(patch));
         // A magnitude has no sign.
-        let colours = if self.layers.len() > 1 { ColourMap::Deep } else { ColourMap::Swell };
+        let colours = if self.values.len() > 1 { ColourMap::Deep } else { ColourMap::Swell };
         let picture = Picture::new(&values, patch.facets)?;
-        Picture { title, x, y, quantity: self.kind.0, colours, scale_bar: Some("m"), ..picture }.draw()
+        Picture { title, x, y, quantity: self.quantity, colours, scale_bar: Some("m"), ..picture }.draw()
     }
 }
 

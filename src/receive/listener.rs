@@ -72,6 +72,18 @@ pub enum ReceiveError {
     Record(#[from] SinkError),
 }
 
+impl ReceiveError {
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        match self {
+            // A full disk is not wrong input, nor is a socket that breaks.
+            Self::Record(error) => error.is_wrong_input(),
+            Self::Socket { .. } => false,
+            Self::Listen { .. } | Self::From { .. } => true,
+        }
+    }
+}
+
 /// A reception that was to go on: what was received until then, and why it ended.
 #[derive(Debug, Error)]
 #[error("{error}")]

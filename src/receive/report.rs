@@ -74,9 +74,11 @@ pub struct Report {
     #[serde(serialize_with = "crate::inputs::all_legible")]
     pub out: Vec<PathBuf>,
     /// Older recordings that stay although they were to be replaced.
+    #[serde(serialize_with = "crate::inputs::all_legible")]
     pub kept: Vec<PathBuf>,
     /// Recordings of runs before the last that another program has moved on or removed after they were
     /// complete.
+    #[serde(serialize_with = "crate::inputs::all_legible")]
     pub gone: Vec<PathBuf>,
     /// What ended the reception or the recording early.
     pub error: Option<String>,
@@ -187,5 +189,22 @@ impl Arrivals {
             p99_us: quantile(0.99),
             max_us: quantile(1.0),
         })
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    /// Before: no report at all of older recordings with names that are not UTF-8.
+    #[test]
+    fn every_path_of_a_report_is_legible() {
+        use std::os::unix::ffi::OsStringExt;
+        let paths = vec![PathBuf::from(std::ffi::OsString::from_vec(b"rec\xff".to_vec()))];
+        let report = Report { out: paths.clone(), kept: paths.clone(), gone: paths, ..Report::default() };
+        let value = serde_json::to_value(&report).unwrap();
+        for key in ["out", "kept", "gone"] {
+            assert_eq!(value[key], serde_json::json!(["rec\u{fffd}"]), "{key}");
+        }
     }
 }

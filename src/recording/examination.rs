@@ -89,7 +89,7 @@ fn program() -> io::Result<Command> {
 ///
 /// # Errors
 /// A file that is not read: what is wrong with it, or how the process ended.
-pub fn examine(path: &Path) -> Result<(), ExaminationError> {
+pub(crate) fn examine(path: &Path) -> Result<(), ExaminationError> {
     let length = match std::fs::metadata(path) {
         Ok(data) if data.is_file() && cfg!(feature = "hdf5") => data.len(),
         _ => return Ok(()),
@@ -164,12 +164,11 @@ fn wait(child: &mut Child, limit: Duration) -> io::Result<Option<ExitStatus>> {
     }
 }
 
-/// Has a damaged recording read as far as it goes: what kills or holds up its reader is not read here, what
-/// it refuses is left to who reads it.
+/// Refuses a file that kills or holds up its reader; damage is left to the caller.
 ///
 /// # Errors
 /// A file that its reader did not survive.
-pub fn survive(path: &Path) -> Result<(), ExaminationError> {
+pub(crate) fn refuse_fatal(path: &Path) -> Result<(), ExaminationError> {
     match examine(path) {
         Ok(()) | Err(ExaminationError::Refused { .. }) => Ok(()),
         Err(fatal) => Err(fatal),
@@ -181,7 +180,7 @@ pub fn survive(path: &Path) -> Result<(), ExaminationError> {
 /// # Errors
 /// What is wrong with the recording.
 #[cfg(feature = "hdf5")]
-pub fn read_under_limits(recording: &Path) -> Result<(), RecordingError> {
+pub(crate) fn read_under_limits(recording: &Path) -> Result<(), RecordingError> {
     let length = std::fs::metadata(recording).map_or(0, |data| data.len());
     limit(length);
     super::hdf5::read_through(recording).map(drop)

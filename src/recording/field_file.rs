@@ -96,6 +96,13 @@ pub enum FieldFileError {
     },
 }
 
+impl FieldFileError {
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        matches!(self, Self::NoHdf5 { .. })
+    }
+}
+
 /// What fills a file.
 pub(super) trait Fields {
     /// Attribute `format` of the root, and further ones.

@@ -144,6 +144,16 @@ pub enum MergeError {
     Recording(#[from] RecordingError),
 }
 
+impl MergeError {
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        match self {
+            Self::Recording(error) => error.is_wrong_input(),
+            _ => true,
+        }
+    }
+}
+
 /// Missing shards that are named.
 const NAMED: usize = 8;
 

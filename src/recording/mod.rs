@@ -24,6 +24,7 @@ pub mod columns;
 pub mod crsd;
 #[doc(hidden)]
 pub mod descriptions;
+#[doc(hidden)]
 pub mod examination;
 mod fault;
 #[doc(hidden)]

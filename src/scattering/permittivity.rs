@@ -4,12 +4,12 @@
 //!
 //! * **Meissner and Wentz 2012** (default), double Debye,
 //!   `eps = (e0-e1)/(1+j f/n1) + (e1-e2)/(1+j f/n2) + e2 - j sigma/(2 pi eps0 f)`;
-//!   IEEE TGRS 42, 1836 (2004) and 50, 3004 (2012). 1 to 90 GHz, -2 to 34 degrees Celsius, 0 to 40 g/kg.
+//!   IEEE TGRS 42, 1836 (2004) and 50, 3004 (2012). 1 to 90 GHz, -2 to 34 degrees Celsius, 0 to 40 psu.
 //! * **Klein and Swift 1977**, single Debye,
 //!   `eps = 4.9 + (es-4.9)/(1+j w tau) - j sigma/(w eps0)`;
-//!   IEEE TAP 25, 104. 1 to 10 GHz, 0 to 30 degrees Celsius, 4 to 35 g/kg (the span of its measurements).
+//!   IEEE TAP 25, 104. 1 to 10 GHz, 0 to 30 degrees Celsius, 4 to 35 psu (the span of its measurements).
 //!
-//! `T` is the temperature in degrees Celsius, `S` the salinity in g/kg, `f` the frequency, `n1`, `n2` the
+//! `T` is the temperature in degrees Celsius, `S` the practical salinity, `f` the frequency, `n1`, `n2` the
 //! relaxation frequencies (GHz), `sigma` the conductivity (S/m).
 //!
 //! Outside its range a model gives a [`PermittivityError`]; [`Model::extrapolated`] evaluates the formula
@@ -56,7 +56,7 @@ impl fmt::Display for Model {
 pub struct SeaWater {
     /// Temperature, degrees Celsius.
     pub temperature_c: f64,
-    /// Salinity, g/kg (practical salinity units).
+    /// Practical salinity, psu.
     pub salinity_gpkg: f64,
 }
 
@@ -85,7 +85,7 @@ pub struct Range {
     pub frequency_hz: (f64, f64),
     /// Least and greatest temperature, degrees Celsius.
     pub temperature_c: (f64, f64),
-    /// Least and greatest salinity, g/kg.
+    /// Least and greatest practical salinity, psu.
     pub salinity_gpkg: (f64, f64),
 }
 
@@ -120,7 +120,7 @@ impl Model {
                 range.temperature_c.1,
                 "degrees Celsius",
             ),
-            ("salinity", water.salinity_gpkg, range.salinity_gpkg.0, range.salinity_gpkg.1, "g/kg"),
+            ("salinity", water.salinity_gpkg, range.salinity_gpkg.0, range.salinity_gpkg.1, "psu"),
         ];
         rows.into_iter()
             .filter(|&(_, value, min, max, _)| !(min..=max).contains(&value))

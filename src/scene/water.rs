@@ -17,12 +17,12 @@ pub struct Water {
     pub dispersion: Dispersion,
     /// Water temperature, degrees Celsius.
     pub temperature_c: f64,
-    /// Salinity, g/kg.
+    /// Practical salinity (PSS-78), psu.
     pub salinity_psu: f64,
 }
 
 impl Water {
-    /// Deep water of 20 degrees Celsius and 35 g/kg, without swell.
+    /// Deep water of 20 degrees Celsius and 35 psu, without swell.
     pub fn new(wind: WindGiven, spectrum: SpectrumKind) -> Self {
         Self {
             wind,

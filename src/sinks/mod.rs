@@ -33,8 +33,7 @@ pub mod nav;
 pub mod null;
 #[doc(hidden)]
 pub mod plain;
-#[doc(hidden)]
-pub mod redirection;
+pub(crate) mod redirection;
 #[doc(hidden)]
 pub mod crsd;
 #[doc(hidden)]

@@ -35,7 +35,7 @@ fn inspect_reports_what_is_there() {
     kinds     300 INSPVAX
     fixes     300
     time      2014-11-24T20:30:19.900000Z to 2014-11-24T20:30:34.850000Z (GPS week 1820)
-    span      14.950 s, 20.000 a second
+    span      14.950 s, 20.000 per second
     gaps      0, longest interval 0.050 s
     area      43.404059 .. 43.404103 deg N, -80.470327 .. -80.470223 deg E
     height    289.62 .. 289.84 m
@@ -58,7 +58,7 @@ fn inspect_reports_what_is_there() {
     kinds     26 INSPVAX
     fixes     26
     time      2014-11-24T20:29:49.900000Z to 2014-11-24T20:29:51.150000Z (GPS week 1820)
-    span      1.250 s, 20.000 a second
+    span      1.250 s, 20.000 per second
     gaps      0, longest interval 0.050 s
     area      43.404089 .. 43.404089 deg N, -80.470247 .. -80.470247 deg E
     height    289.71 .. 289.71 m
@@ -83,6 +83,7 @@ fn the_block_of_inspect_is_a_track() {
     let strait = package().join("configs/tracks/strait_of_dover.csv").display().to_string();
     let text = run(folder.path(), &["nav", "inspect", &strait, "--datum", "msl"]);
     let block = text.lines().last().unwrap();
+    assert!(!text.contains("does not state"), "{text}");
     assert!(block.contains("datum = \"msl\", max_gap_s = 10, smoothing = { kind = \"rts\""), "{block}");
     let track = format!("platform.1.{}", block.replacen(" = ", "=", 1));
     let scenario = package().join("configs/quickstart.toml").display().to_string();
@@ -91,6 +92,25 @@ fn the_block_of_inspect_is_a_track() {
     let checked = nereus(folder.path(), &words);
     assert_eq!(checked.code, 0, "{}", checked.stderr);
     assert!(checked.stdout.contains("fixes smoothed"), "{}", checked.stdout);
+}
+
+/// What a file does not state is asked for, not supposed.
+#[test]
+fn inspect_supposes_no_datum() {
+    let folder = tempfile::tempdir().unwrap();
+    let strait = package().join("configs/tracks/strait_of_dover.csv").display().to_string();
+    let text = run(folder.path(), &["nav", "inspect", &strait]);
+    let lines: Vec<&str> = text.lines().collect();
+    let [.., remark, block] = lines[..] else { panic!("{text}") };
+    let expected = "the file does not state what its heights refer to: \
+                    datum = \"ellipsoid\", \"msl\" or \"barometric\"";
+    assert_eq!(remark.trim(), expected);
+    assert!(!block.contains("datum"), "{block}");
+    let block: toml::Table = toml::from_str(block).unwrap();
+    assert_eq!(block["track"]["kind"].as_str(), Some("csv"));
+    let stated = run(folder.path(), &["nav", "inspect", &strait, "--datum", "ellipsoid"]);
+    assert!(stated.lines().last().unwrap().contains("datum = \"ellipsoid\""), "{stated}");
+    assert!(!stated.contains("does not state"), "{stated}");
 }
 
 /// From one format to the next and back, nothing is lost but digits.

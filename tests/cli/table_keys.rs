@@ -109,7 +109,7 @@ fn bad_keys_are_refused_in_words() {
         ("permittivity --carrier-hz 0.5e9", "frequency is 0.5 GHz, allowed 1 to 90 GHz"),
         (
             "permittivity --model ks77 --carrier-hz 10e9 --salinity-psu 3",
-            "salinity is 3 g/kg, allowed 4 to 35",
+            "salinity is 3 psu, allowed 4 to 35",
         ),
         ("permittivity --temperature-c -3", "temperature is -3 degrees Celsius, allowed -2 to 34"),
         ("permittivity --temperature-c nan", "allowed -2 to 34"),

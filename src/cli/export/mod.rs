@@ -1,4 +1,4 @@
-//! `nereus export`: a recording in a format of others.
+//! `nereus export`: a recording as CRSD 1.0 or SigMF.
 
 mod crsd;
 mod sigmf;
@@ -25,7 +25,7 @@ pub struct ExportArgs {
 pub enum ExportCommand {
     /// CRSD 1.0 (NGA.STND.0080): pulses, reported positions, antennas and errors in one file
     Crsd(ExportCrsdArgs),
-    /// SigMF 1.2: samples of each channel, and an annotation a pulse
+    /// SigMF 1.2: samples of each channel, and an annotation per pulse
     Sigmf(ExportSigmfArgs),
 }
 

@@ -92,7 +92,7 @@ pub struct FocusArgs {
     /// Error of the interpolation between cells of a compressed pulse
     #[arg(long, value_name = "DB", default_value_t = -60.0, allow_negative_numbers = true)]
     pub interpolation_db: f64,
-    /// Means of power over so many pixels along both sides, in pictures and statistics
+    /// Multilook: average power over N x N pixels, in pictures and statistics
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub looks: usize,
     /// Picture of amplitudes instead of decibels, up to the amplitude that such a percentage of the pixels do
@@ -110,7 +110,7 @@ pub struct FocusArgs {
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
     /// With --nav both: picture of a point's cut in cross-range, predicted and measured (the first one on the
-    /// image), one a channel
+    /// image), one per channel
     #[arg(long, value_name = "PNG")]
     pub cuts: Option<PathBuf>,
     /// Fit K, Weibull and Rayleigh laws to pixels a resolution cell apart (docs/speckle.md)
@@ -308,4 +308,33 @@ fn channels(args: &FocusArgs, path: &Path, header: &Header) -> Result<Vec<usize>
         Some(place) => Ok(place),
     };
     Ok(distinct(args.channel.iter().map(place).collect::<Result<_, _>>()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::values::word_of;
+
+    /// The words go into files. A new variant must be named here to compile.
+    #[test]
+    fn every_choice_has_a_word() {
+        for taper in [Taper::Uniform, Taper::Hann, Taper::Taylor, Taper::Kaiser] {
+            match taper {
+                Taper::Uniform | Taper::Hann | Taper::Taylor | Taper::Kaiser => {}
+            }
+            assert_ne!(word_of(&TAPERS, &taper), "", "{taper:?}");
+        }
+        for filter in [RangeFilter::Matched, RangeFilter::Flat] {
+            match filter {
+                RangeFilter::Matched | RangeFilter::Flat => {}
+            }
+            assert_ne!(word_of(&FILTERS, &filter), "", "{filter:?}");
+        }
+        for nav in [None, Some(Navigation::True), Some(Navigation::Reported)] {
+            match nav {
+                None | Some(Navigation::True | Navigation::Reported) => {}
+            }
+            assert_ne!(word_of(&NAVS, &nav), "", "{nav:?}");
+        }
+    }
 }

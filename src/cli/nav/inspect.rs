@@ -10,7 +10,7 @@ use crate::cli::error::CliError;
 use crate::cli::escape::name;
 use crate::cli::report::Report;
 use crate::cli::scenario::JsonArg;
-use crate::motion::proposal::block;
+use crate::motion::proposal::{block, lacks_datum};
 use crate::nav::decode::Counts;
 use crate::nav::inspection::{Captured, KINDS, Recorded, TrackFigures};
 
@@ -26,6 +26,10 @@ pub struct NavInspectArgs {
     #[command(flatten)]
     pub format: JsonArg,
 }
+
+/// What the scenario must add to a block without it.
+const NO_DATUM: &str = "the file does not state what its heights refer to: \
+                        datum = \"ellipsoid\", \"msl\" or \"barometric\"";
 
 /// Reports what a recording holds.
 pub(super) fn inspect(args: &NavInspectArgs, out: &mut dyn Write) -> Result<(), CliError> {
@@ -50,7 +54,11 @@ pub(super) fn inspect(args: &NavInspectArgs, out: &mut dyn Write) -> Result<(), 
     let scenario = fixes.and_then(|fixes| block(&args.file, recorded.encoding, &how, fixes));
     if let Some(block) = &scenario {
         // On a line of its own, to be copied.
-        report.row("scenario", "under [[platform]], its path relative to the scenario:").line(block);
+        report.row("scenario", "under [[platform]], its path relative to the scenario:");
+        if fixes.is_some_and(|fixes| lacks_datum(recorded.encoding, &how, fixes)) {
+            report.row("", NO_DATUM);
+        }
+        report.line(block);
     }
     report.value("scenario", scenario).value("error", error);
     report.print(args.format.json, out)
@@ -86,7 +94,7 @@ fn add_track(report: &mut Report, track: &TrackFigures) {
     let week = track.gps_week.map_or(String::new(), |week| format!(" (GPS week {week})"));
     report.row("fixes", track.fixes.to_string());
     report.row("time", format!("{} to {}{week}", track.first, track.last));
-    report.row("span", format!("{:.3} s, {:.3} a second", track.span_s, track.rate_hz));
+    report.row("span", format!("{:.3} s, {:.3} per second", track.span_s, track.rate_hz));
     report.row("gaps", format!("{}, longest interval {:.3} s", track.gaps, track.longest_gap_s));
     for (begin, length_s) in &track.gaps_s {
         report.row("", format!("{length_s:.3} s after {begin}"));

@@ -68,9 +68,10 @@ pub struct SourceArgs {
     /// GPS week of the first record of an SBET
     #[arg(long, value_name = "WEEK")]
     pub gps_week: Option<u32>,
-    /// What heights are measured from, where the file does not say (CSV, GGA without separation)
-    #[arg(long, value_parser = one_of(DATUMS), default_value = "ellipsoid")]
-    pub datum: VerticalDatum,
+    /// What heights are measured from, where the file does not say (CSV, GGA without separation) [default:
+    /// ellipsoid]
+    #[arg(long, value_parser = one_of(DATUMS))]
+    pub datum: Option<VerticalDatum>,
     /// Height of mean sea level above the ellipsoid
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true)]
     pub undulation_m: f64,

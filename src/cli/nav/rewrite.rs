@@ -1,7 +1,6 @@
 //! `nereus nav convert` and `nereus nav play`: a recording in another format, to a file or to a port.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::Args;
 
@@ -11,19 +10,19 @@ use crate::cli::scenario::ForceArg;
 use crate::cli::values::{Allowed, Word, allowed, one_of};
 use crate::cli::{escape, say};
 use crate::nav::Place;
-use crate::nav::encode::{Format, Sentence, Target};
+use crate::nav::encode::{Format, OutputFormat, Sentence};
 use crate::nav::inspection::{InspectionError, Recorded};
 use crate::nav::solution::{Solution, derive_velocities};
-use crate::pipeline::nav_output;
+use crate::pipeline::nav_output::{self, Played};
 use crate::sinks::port::Device;
 
 /// Formats that are written; NMEA sentences are those of `--sentences`.
-fn targets() -> [Word<Target>; 4] {
+fn targets() -> [Word<OutputFormat>; 4] {
     [
-        ("csv", "Comma-separated values", Target::Csv),
-        ("nmea", "NMEA 0183 sentences", Target::Messages(Format::Nmea(Vec::new()))),
-        ("inspvaxa", "NovAtel INSPVAX, ASCII", Target::Messages(Format::InspvaxAscii)),
-        ("inspvaxb", "NovAtel INSPVAX, binary", Target::Messages(Format::InspvaxBinary)),
+        ("csv", "Comma-separated values", OutputFormat::Csv),
+        ("nmea", "NMEA 0183 sentences", OutputFormat::Messages(Format::Nmea(Vec::new()))),
+        ("inspvaxa", "NovAtel INSPVAX, ASCII", OutputFormat::Messages(Format::InspvaxAscii)),
+        ("inspvaxb", "NovAtel INSPVAX, binary", OutputFormat::Messages(Format::InspvaxBinary)),
     ]
 }
 
@@ -32,7 +31,7 @@ fn targets() -> [Word<Target>; 4] {
 pub struct TargetArgs {
     /// Format to write [default: csv, nmea or inspvaxb, from the name of the output; nmea for ports]
     #[arg(long, value_parser = one_of(targets()), value_name = "FORMAT")]
-    pub to: Option<Target>,
+    to: Option<OutputFormat>,
     /// NMEA sentences, in this order
     #[arg(long, value_delimiter = ',', default_value = "GGA,RMC,VTG,HDT,ZDA,GST,PASHR", value_parser = sentence)]
     pub sentences: Vec<Sentence>,
@@ -40,9 +39,11 @@ pub struct TargetArgs {
 
 impl TargetArgs {
     /// The format asked for.
-    fn target(&self) -> Option<Target> {
+    fn target(&self) -> Option<OutputFormat> {
         self.to.clone().map(|to| match to {
-            Target::Messages(Format::Nmea(_)) => Target::Messages(Format::Nmea(self.sentences.clone())),
+            OutputFormat::Messages(Format::Nmea(_)) => {
+                OutputFormat::Messages(Format::Nmea(self.sentences.clone()))
+            }
             to => to,
         })
     }
@@ -89,7 +90,7 @@ pub struct NavPlayArgs {
     /// How much faster than it was recorded
     #[arg(long, value_name = "X", default_value_t = 1.0)]
     pub rate: f64,
-    /// Bits a second of a serial port
+    /// Bits per second of a serial port
     #[arg(long, default_value_t = 115_200)]
     pub baud: u32,
     /// How it is read and sent
@@ -116,11 +117,11 @@ fn solutions(path: &Path, args: &SourceArgs) -> Result<Vec<Solution>, CliError> 
 /// Writes a recording in another format.
 pub(super) fn convert(args: &NavConvertArgs) -> Result<(), CliError> {
     let NavConvertArgs { file, out, rewrite } = args;
-    let target = rewrite.target.target().or_else(|| Target::named(out, &rewrite.target.sentences));
+    let target = rewrite.target.target().or_else(|| OutputFormat::named(out, &rewrite.target.sentences));
     let target = target.ok_or_else(|| Refused::Target(out.clone()))?;
     let solutions = solutions(file, &rewrite.source)?;
     // Nothing is made before all could be written.
-    let bytes = target.written(&solutions).map_err(nav_output::NavOutputError::from)?;
+    let bytes = target.encode(&solutions).map_err(nav_output::NavOutputError::from)?;
     nav_output::write_file(out, rewrite.overwrite.force, &bytes)?;
     say(format_args!("{}: {} fixes, {} bytes", escape::path(out), solutions.len(), bytes.len()));
     Ok(())
@@ -135,19 +136,19 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
     let device = Device::of(&args.device, args.baud)?;
     let solutions = solutions(file, &rewrite.source)?;
     let format = match rewrite.target.target() {
-        Some(Target::Messages(format)) => format,
+        Some(OutputFormat::Messages(format)) => format,
         _ => Format::Nmea(rewrite.target.sentences.clone()),
     };
     if solutions.is_empty() {
         return Ok(());
     }
-    let begun = Instant::now();
-    let counts = nav_output::play(&solutions, &format, &device, *rate, rewrite.overwrite.force)?;
+    let Played { counts, lasted } =
+        nav_output::play(&solutions, &format, &device, *rate, rewrite.overwrite.force)?;
     say(format_args!(
         "{device}: {} messages of {} sent in {:.1} s, {} lost; vanished {} times",
         counts.messages,
         solutions.len(),
-        begun.elapsed().as_secs_f64(),
+        lasted.as_secs_f64(),
         counts.lost_messages,
         counts.vanished
     ));

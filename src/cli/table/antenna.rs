@@ -40,7 +40,7 @@ pub struct TableAntennaArgs {
     pub sweep: AngleSweep,
 }
 
-/// Planes of a cut through the boresight; in each the place of the angle's sine among the components across.
+/// Planes of a cut: the unit vector of the cut across boresight, [along width, along height].
 const CUTS: [Word<[f64; 2]>; 2] =
     [("az", "Azimuth: along the width", [1.0, 0.0]), ("el", "Elevation: along the height", [0.0, 1.0])];
 
@@ -82,15 +82,16 @@ pub(super) fn antenna(args: &TableAntennaArgs, out: &mut dyn Write) -> Result<()
 }
 
 fn pattern(args: &TableAntennaArgs) -> Result<Pattern, CliError> {
-    if args.shape == Aperture::Isotropic {
-        within("--gain-dbi", &[args.gain_dbi], GAIN_RANGE_DBI)?;
-        return Ok(Pattern::Isotropic { gain_dbi: args.gain_dbi });
-    }
-    let width_m = size("--width-m", args.width_m)?;
-    let height_m = if args.shape == Aperture::Circle { width_m } else { size("--height-m", args.height_m)? };
+    let width_m = || size("--width-m", args.width_m);
+    let height_m = || size("--height-m", args.height_m);
     Ok(match args.shape {
-        Aperture::Rect => Pattern::Rectangle { width_m, height_m },
-        _ => Pattern::Ellipse { width_m, height_m },
+        Aperture::Isotropic => {
+            within("--gain-dbi", &[args.gain_dbi], GAIN_RANGE_DBI)?;
+            Pattern::Isotropic { gain_dbi: args.gain_dbi }
+        }
+        Aperture::Rect => Pattern::Rectangle { width_m: width_m()?, height_m: height_m()? },
+        Aperture::Ellipse => Pattern::Ellipse { width_m: width_m()?, height_m: height_m()? },
+        Aperture::Circle => Pattern::Ellipse { width_m: width_m()?, height_m: width_m()? },
     })
 }
 

@@ -22,7 +22,7 @@ pub struct TableClutterArgs {
     /// Sea states, 0 to 6, fractions allowed [default: all seven]
     #[arg(long, value_name = "S,...", value_delimiter = ',', conflicts_with = "wind_mps")]
     sea_state: Vec<f64>,
-    /// Winds of a fully risen sea, m/s at 10 m, 1.98 to 12.9
+    /// Winds of a fully developed sea, m/s at 10 m, 1.98 to 12.9
     #[arg(long, value_name = "U,...", value_delimiter = ',')]
     wind_mps: Vec<f64>,
     /// Carrier frequencies, Hz

@@ -37,19 +37,21 @@ impl Display for Cell {
 /// A table whose rows name their columns; the names are printed before the first row.
 pub(super) struct Table<'a> {
     out: &'a mut dyn Write,
-    begun: bool,
+    /// Columns, once their names are printed.
+    width: Option<usize>,
 }
 
 impl<'a> Table<'a> {
     pub fn new(out: &'a mut dyn Write) -> Self {
-        Self { out, begun: false }
+        Self { out, width: None }
     }
 
-    /// Prints a row.
+    /// Prints a row, which has the columns of the first one.
     pub fn row(&mut self, cells: &[(&str, Cell)]) -> Result<(), CliError> {
         let mut print = || {
-            if !std::mem::replace(&mut self.begun, true) {
-                line(self.out, cells.iter().map(|(name, _)| name))?;
+            match self.width.replace(cells.len()) {
+                Some(width) => debug_assert_eq!(width, cells.len()),
+                None => line(self.out, cells.iter().map(|(name, _)| name))?,
             }
             line(self.out, cells.iter().map(|(_, cell)| cell))
         };

@@ -31,11 +31,16 @@ use wind::TableWindArgs;
 
 use super::error::CliError;
 
+/// How its defaults differ from those of scenarios.
+const USUAL: &str = "The default sea is that of the paper (--kind elfouhaily-fung-lee, --ustar-mps 0.36), not that of \
+                     scenarios: for theirs give --kind elfouhaily and --wind-mps, the sea.wind_mps of yours.";
+
 /// Most rows of a table.
 const MOST_ROWS: usize = 1_000_000;
 
 /// `nereus table`
 #[derive(Debug, Args)]
+#[command(after_help = USUAL)]
 pub struct TableArgs {
     /// Which quantity
     #[command(subcommand)]
@@ -82,16 +87,16 @@ pub enum Quantity {
     /// Normalised radar cross section of the sea, mono- and bistatic, all channels
     ///
     /// Channels are named receiver first. sigma0 is the sum of the Bragg part (spm) and the specular part
-    /// (go), per area of the facet. Without --facet-m no wave is resolved: it is that of the whole sea.
-    /// Without --scattering-deg the scattering angle is the incidence; with the default azimuth of 180 that
+    /// (go), per unit area of the facet's plane; without --facet-m per unit area of the mean sea surface: no
+    /// wave is resolved then. Without --scattering-deg the scattering angle is the incidence; with the default azimuth of 180 that
     /// is monostatic. Sweep: the angle named by --vary; incidence or scattering 0 to 80 degrees by 5, azimuth
     /// or aspect 0 to 360 by 10 unless given.
     Sigma0(TableSigma0Args),
     /// Measured cross section of the sea, by the empirical NRL clutter model
     ///
-    /// Mean over the wind's directions, by sea state; with --wind-mps that of the fully risen sea. Nothing of
-    /// a scene is computed with it. Sweep: grazing angle, 0.1 to 60 degrees, 28 points in log spacing unless
-    /// given.
+    /// For comparison only: no echo is computed with it. Mean over the wind's directions, by sea state; with
+    /// --wind-mps that of the fully developed sea. Sweep: grazing angle, 0.1 to 60 degrees, 28 points in log
+    /// spacing unless given.
     #[command(name = "sigma0-nrl")]
     Sigma0Nrl(TableClutterArgs),
     /// Density of sea slopes (Cox and Munk)

@@ -66,7 +66,7 @@ pub struct WaterKeys {
         allow_hyphen_values = true
     )]
     temperature_c: Vec<f64>,
-    /// Salinities, g/kg
+    /// Practical salinities (PSS-78), psu
     #[arg(long, value_name = "S,...", value_delimiter = ',', default_value = "35")]
     salinity_psu: Vec<f64>,
 }
@@ -158,7 +158,7 @@ pub(super) fn refuse_calm(winds: &[Wind]) -> Result<(), Refused> {
 /// The spectrum.
 #[derive(Clone, Debug, Args)]
 pub struct SpectrumKeys {
-    /// Spectrum
+    /// Spectrum; scenarios have elfouhaily unless they say otherwise
     #[arg(long, value_parser = one_of(kinds()), default_value = "elfouhaily-fung-lee")]
     kind: SpectrumKind,
     /// Inverse wave age of an Elfouhaily sea, 0.84 (fully developed, the default) to 5
@@ -280,5 +280,28 @@ impl SpectrumKeys {
             }
         }
         if file && self.spectrum_path.is_none() { Err(Refused::NoFile) } else { Ok(kind) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A new kind must be named here to compile.
+    #[test]
+    fn every_spectrum_has_a_word() {
+        let known = |kind: &SpectrumKind| match kind {
+            SpectrumKind::Elfouhaily { .. } => 0,
+            SpectrumKind::FungLee => 1,
+            SpectrumKind::ElfouhailyFungLee { .. } => 2,
+            SpectrumKind::PiersonMoskowitz { .. } => 3,
+            SpectrumKind::Jonswap { .. } => 4,
+            SpectrumKind::Measured { .. } => 5,
+        };
+        let numbers = kinds().map(|(_, _, kind)| known(&kind));
+        assert_eq!(numbers, [0, 1, 2, 3, 4, 5]);
+        for (word, _, kind) in kinds() {
+            assert_eq!(word_of(&kinds(), &kind), word);
+        }
     }
 }

@@ -125,6 +125,7 @@ pub enum EncodeError {
 /// A state of a recording that cannot be written.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("fix {number} at {time}: {source}")]
+#[doc(hidden)]
 pub struct Unwritable {
     /// Which one, from 1.
     pub number: usize,
@@ -141,16 +142,16 @@ impl Unwritable {
     }
 }
 
-/// What a file of states is.
+/// Format of a navigation file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Target {
+pub(crate) enum OutputFormat {
     /// A table of comma-separated values.
     Csv,
     /// Messages.
     Messages(Format),
 }
 
-impl Target {
+impl OutputFormat {
     /// By the ending of a file's name; NMEA sentences are those given.
     pub fn named(path: &Path, sentences: &[Sentence]) -> Option<Self> {
         Some(match path.extension()?.to_ascii_lowercase().to_str()? {
@@ -166,7 +167,7 @@ impl Target {
     ///
     /// # Errors
     /// The first state that the format cannot hold.
-    pub fn written(&self, solutions: &[Solution]) -> Result<Vec<u8>, Unwritable> {
+    pub fn encode(&self, solutions: &[Solution]) -> Result<Vec<u8>, Unwritable> {
         let mut bytes = Vec::new();
         match self {
             Self::Csv => csv::write(solutions, &mut bytes),
