@@ -12,7 +12,7 @@ use super::monitor::page::Page;
 use super::report::Report;
 use super::scenario::{OutputArgs, ScenarioArgs};
 use super::values::{PulseRange, Word, duration, one_of};
-use super::{counted, escape, progress, say, stopped_by_signal, warn};
+use super::{counted, progress, say, stopped_by_signal, warn};
 use crate::adequacy::adequacy;
 use crate::config::{Run, Warning};
 use crate::nav::{AttitudeSource, TrackSource};
@@ -24,9 +24,7 @@ use crate::pulse::log::Entry;
 use crate::recording::shard::Shard;
 use crate::sinks::redirection::redirect;
 use crate::sinks::sink::SinkReport;
-use crate::time::TimeTag;
 use crate::transport::Pace;
-use crate::transport::pacer::may_run_ahead;
 
 /// How pulses are released.
 const PACES: [Word<Pace>; 2] = [
@@ -92,9 +90,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let live = stream.live_navigation();
     if let (Some(live), Some(nominal)) = (&live, stream.nominal()) {
         let first = nominal.scene.radar.emissions.emission(nominal.scene.start, stream.schedule().first);
-        for (platform, origin, last) in live.standing() {
-            say(format_args!("platform '{platform}' by {origin}: {}", awaited(last, first)));
-        }
+        live.standing(first).for_each(say);
     }
     if nominal.start_now {
         say(format_args!("pulses begin at {}", nominal.scene.start));
@@ -150,19 +146,6 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     outcome.result.map_err(|error| CliError::Run(Box::new(error)))
 }
 
-/// Whether navigation has come to the first emission, for which pulses wait.
-fn awaited(last: Option<TimeTag>, first: TimeTag) -> String {
-    match last {
-        None => format!("no position yet; pulses begin when it has come to {first}"),
-        Some(last) if first.since(last) > 0.0 => {
-            format!("last position at {last}; pulses begin when it has come to {first}")
-        }
-        Some(last) => {
-            format!("last position at {last}; the first pulse is emitted at {first}")
-        }
-    }
-}
-
 /// How the latency of a run suits its live navigation.
 fn latency(run: &Run, needed_s: f64, latency_s: f64) {
     let needed_ms = (needed_s * 1e3).ceil();
@@ -203,7 +186,7 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
             lateness.p999,
             lateness.max,
             summary.latency_ms.unwrap_or(f64::NAN),
-            priority(run, health.pacer_ahead)
+            run.stream.priority(health.pacer_ahead, run.scene.radar.emissions.mean_prf_hz())
         ));
     }
     if health.slipped_s > 0.0 {
@@ -219,59 +202,16 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
     }
 }
 
-/// At what priority pulses were released, and why not at real-time priority. What the system refused is
-/// reported beside it.
-fn priority(run: &Run, ahead: bool) -> &'static str {
-    if ahead {
-        "real-time priority"
-    } else if !run.stream.pacer_ahead {
-        "ordinary priority (stream.pacer_priority)"
-    } else if may_run_ahead(run.scene.radar.emissions.mean_prf_hz()) {
-        "ordinary priority (refused)"
-    } else {
-        "ordinary priority (above 1000 pulses/s, where its waiting would take a core from all others)"
-    }
-}
-
 /// What each sink holds or has sent.
 fn add_recordings(report: &mut Report, outcome: &RunOutcome) {
     let sinks: Vec<&SinkReport> = outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
     report.value("out", &sinks);
     for sink in sinks {
-        let name = &sink.name;
-        if let Some(port) = sink.port.filter(|port| port.lost_messages > 0 || port.vanished > 0) {
-            report.warning(format_args!(
-                "the port of sink '{name}' did not take {} messages ({} bytes); it vanished {} times and was opened again {} times",
-                port.lost_messages, port.lost_bytes, port.vanished, port.reopened
-            ));
+        for line in sink.lines() {
+            report.line(line);
         }
-        for file in &sink.files {
-            report.line(format!("{name}: {}", escape::path(file)));
-        }
-        for note in sink.notes() {
-            report.warning(note);
-        }
-        if let Some(all) = &sink.subscribers {
-            let (messages, seen) = (counted(all.messages, "message"), counted(all.seen, "subscriber"));
-            report.line(format!("{name}: {messages} to {seen}; {}", all.at));
-            if all.lost > 0 {
-                report.warning(format_args!(
-                    "sink '{name}': subscribers were too slow for {} or went before they had them; see buffer_pulses",
-                    counted(all.lost, "message")
-                ));
-            }
-        }
-        if let Some(wire) = &sink.wire {
-            report.line(format!("{name}: {} datagrams to {}", wire.datagrams, wire.address));
-            if wire.lost() > 0 {
-                report.warning(format_args!(
-                    "{} datagrams were lost: {} refused by the receiver's machine, {} without room in the send buffer, {} for other reasons",
-                    wire.lost(),
-                    wire.refused,
-                    wire.blocked,
-                    wire.no_buffer + wire.failed
-                ));
-            }
+        for warning in sink.notes().into_iter().chain(sink.losses()) {
+            report.warning(warning);
         }
     }
 }
@@ -374,37 +314,4 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
         (None, None) => 0..all,
     };
     Ok((run, pulses))
-}
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::*;
-
-    #[test]
-    fn navigation_before_and_past_the_first_pulse() {
-        let at = |second: i64| TimeTag::new(1_416_861_020 + second, 0.0);
-        let text = |last| awaited(last, at(1));
-        insta::assert_snapshot!(text(None), @"no position yet; pulses begin when it has come to 2014-11-24T20:30:21.000000Z");
-        insta::assert_snapshot!(text(Some(at(0))), @"last position at 2014-11-24T20:30:20.000000Z; pulses begin when it has come to 2014-11-24T20:30:21.000000Z");
-        insta::assert_snapshot!(text(Some(at(1))), @"last position at 2014-11-24T20:30:21.000000Z; the first pulse is emitted at 2014-11-24T20:30:21.000000Z");
-    }
-
-    #[test]
-    fn a_priority_has_its_reason() {
-        let text = include_str!("../../configs/coastal.toml");
-        let of = |more: &[(&str, &str)], ahead| {
-            let set: Vec<_> =
-                more.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-            priority(&crate::config::parse(text, Path::new("configs/coastal.toml"), &set).unwrap(), ahead)
-        };
-        assert_eq!(of(&[], true), "real-time priority");
-        assert_eq!(of(&[], false), "ordinary priority (refused)");
-        assert_eq!(
-            of(&[("stream.pacer_priority", "normal")], false),
-            "ordinary priority (stream.pacer_priority)"
-        );
-        assert!(of(&[("radar.prf_hz", "1001")], false).starts_with("ordinary priority (above 1000 pulses/s"));
-    }
 }

@@ -287,10 +287,12 @@ impl LiveNav {
         Ok(())
     }
 
-    /// Where the navigation of each platform has got to.
-    pub fn standing(&self) -> impl Iterator<Item = (&str, &Origin, Option<TimeTag>)> {
-        let of = |flight: &'_ Flight| flight.track.last_fix();
-        self.flights.iter().map(move |flight| (flight.name.as_str(), &flight.source.origin, of(flight)))
+    /// Where the navigation of each platform has got to, with pulses that wait for it from `first` on.
+    pub fn standing(&self, first: TimeTag) -> impl Iterator<Item = String> {
+        self.flights.iter().map(move |flight| {
+            let (name, origin) = (&flight.name, &flight.source.origin);
+            format!("platform '{name}' by {origin}: {}", awaited(flight.track.last_fix(), first))
+        })
     }
 
     /// Waits until all tracks reach an instant, until they may have to go on without it, or `stop` is set;
@@ -419,5 +421,30 @@ impl Bell {
             }
             news = self.candidate.wait_timeout(news, left).unwrap_or_else(PoisonError::into_inner).0;
         }
+    }
+}
+
+/// Whether navigation has come to the first emission, for which pulses wait.
+fn awaited(last: Option<TimeTag>, first: TimeTag) -> String {
+    match last {
+        None => format!("no position yet; pulses begin when it has come to {first}"),
+        Some(last) if first.since(last) > 0.0 => {
+            format!("last position at {last}; pulses begin when it has come to {first}")
+        }
+        Some(last) => format!("last position at {last}; the first pulse is emitted at {first}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn navigation_before_and_past_the_first_pulse() {
+        let at = |second: i64| TimeTag::new(1_416_861_020 + second, 0.0);
+        let text = |last| awaited(last, at(1));
+        insta::assert_snapshot!(text(None), @"no position yet; pulses begin when it has come to 2014-11-24T20:30:21.000000Z");
+        insta::assert_snapshot!(text(Some(at(0))), @"last position at 2014-11-24T20:30:20.000000Z; pulses begin when it has come to 2014-11-24T20:30:21.000000Z");
+        insta::assert_snapshot!(text(Some(at(1))), @"last position at 2014-11-24T20:30:21.000000Z; the first pulse is emitted at 2014-11-24T20:30:21.000000Z");
     }
 }

@@ -208,3 +208,44 @@ mod tests {
         }
     }
 }
+
+impl Reception {
+    /// How late pulses came, or why that is not known.
+    pub fn lateness_text(&self) -> String {
+        match &self.lateness {
+            Some(late) => format!(
+                "p50 {:.0} us, p99 {:.0} us, max {:.0} us above the earliest pulse; {}",
+                late.p50_us,
+                late.p99_us,
+                late.max_us,
+                earliest(late.least_offset_s)
+            ),
+            None if self.datagrams == 0 => "not reported: nothing was received".to_owned(),
+            None if self.pulses < 2 => "not reported: fewer than two whole pulses were received".to_owned(),
+            None => "not reported: the stream was not sent in real time".to_owned(),
+        }
+    }
+}
+
+/// When the earliest pulse came. Where that is an hour off, the scenario has another date than this clock.
+fn earliest(offset_s: f64) -> String {
+    if offset_s.abs() < 3600.0 {
+        return format!("that one came {offset_s:.6} s after its emission by this clock");
+    }
+    let side = if offset_s > 0.0 { "before" } else { "after" };
+    let apart_d = offset_s.abs() / 86_400.0;
+    format!("emission times are {apart_d:.1} days {side} this machine's clock, so latency cannot be measured")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::earliest;
+
+    #[test]
+    fn dates_of_scenarios_are_told_from_latencies() {
+        assert_eq!(earliest(0.012_345_6), "that one came 0.012346 s after its emission by this clock");
+        let years = earliest(208_590_567.0);
+        assert!(years.starts_with("emission times are 2414.2 days before this machine's clock"), "{years}");
+        assert!(earliest(-86_400.0).starts_with("emission times are 1.0 days after"));
+    }
+}

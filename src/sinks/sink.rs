@@ -6,6 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::files::{self, Draft, FileFault, Recognised};
+use crate::inputs::shown;
 use crate::pulse::Pulse;
 use crate::recording::source::pulses_in;
 use crate::transport::fanout::{Fed, Feed};
@@ -278,6 +279,48 @@ impl SinkReport {
             }
         });
         all.into_iter().flatten().chain(shortened).chain(beside).collect()
+    }
+
+    /// What was written and sent.
+    pub fn lines(&self) -> Vec<String> {
+        let name = &self.name;
+        let files = self.files.iter().map(|file| format!("{name}: {}", shown(file)));
+        let published = self.subscribers.as_ref().map(|all| {
+            let (messages, seen) = (counted(all.messages, "message"), counted(all.seen, "subscriber"));
+            format!("{name}: {messages} to {seen}; {}", all.at)
+        });
+        let sent = self
+            .wire
+            .as_ref()
+            .map(|wire| format!("{name}: {} datagrams to {}", wire.datagrams, wire.address));
+        files.chain(published).chain(sent).collect()
+    }
+
+    /// What was lost on the way out.
+    pub fn losses(&self) -> Vec<String> {
+        let name = &self.name;
+        let port = self.port.filter(|port| port.lost_messages > 0 || port.vanished > 0).map(|port| {
+            format!(
+                "the port of sink '{name}' did not take {} messages ({} bytes); it vanished {} times and was opened again {} times",
+                port.lost_messages, port.lost_bytes, port.vanished, port.reopened
+            )
+        });
+        let subscribers = self.subscribers.as_ref().filter(|all| all.lost > 0).map(|all| {
+            format!(
+                "sink '{name}': subscribers were too slow for {} or went before they had them; see buffer_pulses",
+                counted(all.lost, "message")
+            )
+        });
+        let wire = self.wire.as_ref().filter(|wire| wire.lost() > 0).map(|wire| {
+            format!(
+                "{} datagrams were lost: {} refused by the receiver's machine, {} without room in the send buffer, {} for other reasons",
+                wire.lost(),
+                wire.refused,
+                wire.blocked,
+                wire.no_buffer + wire.failed
+            )
+        });
+        [port, subscribers, wire].into_iter().flatten().collect()
     }
 }
 

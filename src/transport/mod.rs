@@ -78,6 +78,22 @@ pub struct Settings {
     pub lock_memory: bool,
 }
 
+impl Settings {
+    /// At what priority pulses of a mean rate, Hz, were released, and why not at real-time priority (`ahead`).
+    /// What the system refused is reported beside it.
+    pub fn priority(&self, ahead: bool, mean_prf_hz: f64) -> &'static str {
+        if ahead {
+            "real-time priority"
+        } else if !self.pacer_ahead {
+            "ordinary priority (stream.pacer_priority)"
+        } else if pacer::may_run_ahead(mean_prf_hz) {
+            "ordinary priority (refused)"
+        } else {
+            "ordinary priority (above 1000 pulses/s, where its waiting would take a core from all others)"
+        }
+    }
+}
+
 impl Default for Settings {
     /// Real time, stopping when it is not kept, half a second ahead.
     fn default() -> Self {
@@ -116,4 +132,19 @@ pub enum Policy {
     Slip,
     /// Keep real time: missing pulse indices are counted.
     Drop,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_priority_has_its_reason() {
+        let asked = Settings { pacer_ahead: true, ..Settings::default() };
+        assert_eq!(asked.priority(true, 250.0), "real-time priority");
+        assert_eq!(asked.priority(false, 250.0), "ordinary priority (refused)");
+        assert!(asked.priority(false, 1001.0).starts_with("ordinary priority (above 1000 pulses/s"));
+        let ordinary = Settings { pacer_ahead: false, ..asked };
+        assert_eq!(ordinary.priority(false, 250.0), "ordinary priority (stream.pacer_priority)");
+    }
 }
