@@ -192,24 +192,7 @@ impl Arrivals {
     }
 }
 
-#[cfg(all(test, unix))]
-mod tests {
-    use super::*;
-
-    /// Before: no report at all of older recordings with names that are not UTF-8.
-    #[test]
-    fn every_path_of_a_report_is_legible() {
-        use std::os::unix::ffi::OsStringExt;
-        let paths = vec![PathBuf::from(std::ffi::OsString::from_vec(b"rec\xff".to_vec()))];
-        let report = Report { out: paths.clone(), kept: paths.clone(), gone: paths, ..Report::default() };
-        let value = serde_json::to_value(&report).unwrap();
-        for key in ["out", "kept", "gone"] {
-            assert_eq!(value[key], serde_json::json!(["rec\u{fffd}"]), "{key}");
-        }
-    }
-}
-
-impl Reception {
+impl Report {
     /// How late pulses came, or why that is not known.
     pub fn lateness_text(&self) -> String {
         match &self.lateness {
@@ -239,7 +222,20 @@ fn earliest(offset_s: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::earliest;
+    use super::*;
+
+    /// Before: no report at all of older recordings with names that are not UTF-8.
+    #[cfg(unix)]
+    #[test]
+    fn every_path_of_a_report_is_legible() {
+        use std::os::unix::ffi::OsStringExt;
+        let paths = vec![PathBuf::from(std::ffi::OsString::from_vec(b"rec\xff".to_vec()))];
+        let report = Report { out: paths.clone(), kept: paths.clone(), gone: paths, ..Report::default() };
+        let value = serde_json::to_value(&report).unwrap();
+        for key in ["out", "kept", "gone"] {
+            assert_eq!(value[key], serde_json::json!(["rec\u{fffd}"]), "{key}");
+        }
+    }
 
     #[test]
     fn dates_of_scenarios_are_told_from_latencies() {
