@@ -521,5 +521,27 @@ impl Draft {
     }
 }
 
+/// A file that grows beyond the limit of the process (`ulimit -f`) is an error with a message, not the end of
+/// the program: the signal for it is held back in every thread, and the write fails with its reason.
+#[cfg(unix)]
+pub(crate) fn report_large_files() {
+    let mut signals = nix::sys::signal::SigSet::empty();
+    signals.add(nix::sys::signal::Signal::SIGXFSZ);
+    let _ = signals.thread_block();
+}
+
+#[cfg(not(unix))]
+pub(crate) fn report_large_files() {}
+
+/// A path as a report holds it: JSON is Unicode, and a report must not be lost because a path is not.
+pub(crate) fn lossy_path<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
+/// The same of several.
+pub(crate) fn lossy_paths<S: serde::Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
+}
+
 #[cfg(test)]
 mod tests;

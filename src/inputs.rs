@@ -16,7 +16,7 @@
 use std::borrow::Cow;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Kind of the error of what is no file.
 const REFUSED: ErrorKind = ErrorKind::Unsupported;
@@ -87,20 +87,30 @@ pub fn written_out(text: &str, acts: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
+/// JSON without what acts on a terminal, which is escaped as JSON has it: serde_json escapes only what is below
+/// U+0020, and [`written_out`] would write the rest as `\u{202e}`, which is no JSON.
+pub(crate) fn escaped_json(plain: String) -> String {
+    if !plain.contains(acts) {
+        return plain;
+    }
+    let mut text = String::with_capacity(plain.len() + 16);
+    // Such characters stand within strings only.
+    for c in plain.chars() {
+        if acts(c) {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                text += &format!("\\u{unit:04x}");
+            }
+        } else {
+            text.push(c);
+        }
+    }
+    text
+}
+
 /// A name or a message that came in a file, on one line: what it holds must not look like a line of this
 /// program.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     written_out(text, acts)
-}
-
-/// A path as a report holds it: JSON is Unicode, and a report must not be lost because a path is not.
-pub(crate) fn legible<S: serde::Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(&path.to_string_lossy())
-}
-
-/// The same of several.
-pub(crate) fn all_legible<S: serde::Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
 /// A path as a line of a report holds it.

@@ -26,7 +26,6 @@ pub mod description;
 pub mod hidden_targets;
 pub mod link_budget;
 pub mod polarisation;
-pub mod sea_map;
 mod ships;
 
 use serde::Serialize;
@@ -273,25 +272,6 @@ pub enum SeaWarning {
         /// Whether its wake is on the patch.
         reached: bool,
     },
-}
-
-/// The patch of a run at a time, s after pulse 0.
-///
-/// # Errors
-/// Tracks that cannot be loaded, or do not reach to the time.
-pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors> {
-    let PatchPlace::Follow { aim, aim_from } = &sea.place else { return Ok(sea.patch) };
-    let scene = &run.scene;
-    let (tracks, _) = tracks(&run.nav, scene)?;
-    let surroundings = Surroundings { tracks: &tracks, frame: &scene.frame, start: scene.start };
-    let platform = if let Aim::Beside { platform, .. } = aim { *platform } else { 0 };
-    let aimed = surroundings.aim_point(aim, *aim_from, scene.start.plus(time_s));
-    let (point, _) = aimed.map_err(|source| {
-        let platform = scene.platforms[platform].clone();
-        BuildErrors::from(BuildError::Away { platform, time_s, source })
-    })?;
-    let [x_m, y_m, _] = point.to_array();
-    Ok(sea.patch.centred_at([x_m, y_m]))
 }
 
 /// The adequacy of a run's sea; `None` without one.

@@ -1,4 +1,4 @@
-//! What is found of a run without emitting a pulse: models, adequacy, settings, predicted speed and memory.
+//! Assesses a run without emitting a pulse: models, adequacy, settings, predicted speed and memory.
 
 use super::plan::{PlanReport, echo_text, not_kept};
 use super::resources::Resources;
@@ -17,7 +17,7 @@ use crate::pipeline::{outputs, plausible};
 use crate::transport::Pace;
 use crate::units::digits;
 
-/// What is found of a run without emitting a pulse.
+/// The assessment of a run, without emitting a pulse.
 pub struct Assessment {
     /// What is modelled, and what is not.
     pub models: Models,
@@ -36,7 +36,7 @@ pub struct Assessment {
 }
 
 impl Assessment {
-    /// Of a run. Warnings go to `warned` as soon as they are known, and are kept as well.
+    /// Assesses a run. Warnings go to `warned` as soon as they are known, and are kept as well.
     ///
     /// # Errors
     /// What keeps the run from being built, all at once.

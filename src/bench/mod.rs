@@ -1,4 +1,4 @@
-//! Measures a pipeline: speed, cost of its stages, error against the reference echo.
+//! Assesses a run before it, and measures a pipeline: speed, cost of its stages, error against the reference echo.
 //!
 //! | page | holds |
 //! | --- | --- |

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::escape::{name as one_line, path as shown};
-use crate::adequacy::sea_map::SeaMapError;
 use crate::bench::clutter::ClutterError;
 use crate::bench::speed::SpeedError;
+use crate::pipeline::sea_map::SeaMapError;
 use crate::plot::canvas::PictureFileError;
 use crate::processor::focus::FocusError;
 use crate::recording::field_file::FieldFileError;
@@ -206,14 +206,14 @@ causes! {
     Measured(crate::scattering::clutter_nrl::ClutterError): "A model of measured clutter does not hold.", |_| true;
     Realise(crate::sea::realise::RealiseError): "A sea cannot be made: wind, spectrum, grid or saved state.", |_| true;
     Surface(crate::sea::wake::WakeError): "A time is out of range of the sea.", |_| true;
-    State(crate::sea::surface::StateError): "The state of a sea cannot be written.", |_| false;
+    SeaFile(crate::pipeline::sea_map::SeaMapFileError): "A map or state of the sea cannot be written.", |e| e.is_wrong_input();
     File(crate::recording::output::OutputError): "A file cannot be made.", |e| e.is_wrong_input();
     Fields(FieldFileError): "A map or image cannot be written.", |e| e.is_wrong_input();
     Picture(crate::plot::picture::PictureError): "A picture cannot be drawn.", |_| true;
     Plot(crate::plot::chart::PlotError): "A plot cannot be drawn.", |_| true;
     PictureFile(PictureFileError): "A picture cannot be written.", |e| e.is_wrong_input();
     Inspection(crate::nav::inspection::InspectionError): "Recorded navigation cannot be read.", |_| true;
-    NavOutput(crate::pipeline::nav_output::NavOutputError): "Navigation is not sent on.", |e| e.is_wrong_input();
+    Playback(crate::sinks::playback::PlaybackError): "Navigation is not sent on.", |e| e.is_wrong_input();
     Device(crate::sinks::port::NotADevice): "A word names no device.", |_| true;
 }
 
@@ -241,62 +241,46 @@ impl From<crate::monitor::replay::ReplayError> for CliError {
 mod tests {
     use super::*;
     use crate::files::FileFault;
+    use crate::pipeline::control_lines::LineError;
+    use crate::pipeline::sea_map::SeaMapFileError;
+    use crate::plot::canvas::PngError;
+    use crate::receive::ReceiveError;
     use crate::recording::RecordingError;
-    use crate::recording::field_file::FieldFileError;
-
-    fn io() -> io::Error {
-        io::Error::from(io::ErrorKind::StorageFull)
-    }
-
-    fn file() -> FileFault {
-        FileFault::io("a.h5".as_ref(), "writing")(io())
-    }
-
-    fn hdf5() -> RecordingError {
-        RecordingError::Hdf5 { path: "a.h5".into(), action: "writing", detail: "no".to_owned() }
-    }
+    use crate::sea::surface::StateError;
+    use crate::sinks::playback::PlaybackError;
 
     /// Exit 1: the machine fell short; 2: the input is wrong.
     #[test]
     fn exit_codes_tell_wrong_input_from_a_failure() {
-        use crate::pipeline::control_lines::LineError;
-        use crate::pipeline::nav_output::NavOutputError;
-        use crate::plot::canvas::PngError;
-        use crate::receive::ReceiveError;
-        use crate::sea::surface::StateError;
-        let (path, device, address) = (PathBuf::from("a"), "b".to_owned(), "c".to_owned());
-        let png = PngError::from(png::EncodingError::from(io()));
-        let failures: [CliError; 10] = [
-            CliError::Output(io()),
-            RecordingError::File(file()).into(),
-            ReceiveError::Socket { address, source: io() }.into(),
-            FieldFileError::Hdf5 { path: path.clone(), detail: String::new() }.into(),
-            FieldFileError::Facets { layer: String::new(), values: 1, facets: 2 }.into(),
-            StateError::Io(io()).into(),
-            PictureFileError::Png(png).into(),
-            LineError::Silent { path: path.clone(), source: io() }.into(),
-            NavOutputError::Port { device, action: "writing", source: io() }.into(),
-            CliError::NotWhole { path: path.clone(), faults: 1 },
-        ];
-        for error in failures {
-            assert_eq!(error.exit_code(), 1, "{error}");
-        }
-        let wrong: [CliError; 6] = [
-            Refused::value("drop", 2, "0 to 1").into(),
+        let io = || io::Error::from(io::ErrorKind::StorageFull);
+        let file = || FileFault::io("a.h5".as_ref(), "writing")(io());
+        let (path, text, action) = (|| PathBuf::from("a"), String::new, "writing");
+        let hdf5 = || RecordingError::Hdf5 { path: path(), action, detail: text() };
+        let cases: [(u8, CliError); 16] = [
+            (1, CliError::Output(io())),
+            (1, CliError::NotWhole { path: path(), faults: 1 }),
+            (2, Refused::value("drop", 2, "0 to 1").into()),
+            (1, RecordingError::File(file()).into()),
+            (2, RecordingError::File(FileFault::Exists { path: path() }).into()),
             // A file that the library cannot read is damaged.
-            hdf5().into(),
-            RecordingError::File(FileFault::Exists { path: path.clone() }).into(),
-            FieldFileError::NoHdf5 { path: path.clone() }.into(),
-            crate::recording::output::OutputError::Twice { path: path.clone() }.into(),
-            LineError::Line { bytes: 1 }.into(),
+            (2, hdf5().into()),
+            (1, ReceiveError::Socket { address: text(), source: io() }.into()),
+            (1, FieldFileError::Hdf5 { path: path(), detail: text() }.into()),
+            (1, FieldFileError::Facets { layer: text(), values: 1, facets: 2 }.into()),
+            (2, FieldFileError::NoHdf5 { path: path() }.into()),
+            (1, SeaMapFileError::State(StateError::Io(io())).into()),
+            (2, crate::recording::output::OutputError::Twice { path: path() }.into()),
+            (1, PictureFileError::Png(PngError::from(png::EncodingError::from(io()))).into()),
+            (1, LineError::Silent { path: path(), source: io() }.into()),
+            (2, LineError::Line { bytes: 1 }.into()),
+            (1, PlaybackError::Port { device: text(), action, source: io() }.into()),
         ];
-        for error in wrong {
-            assert_eq!(error.exit_code(), 2, "{error}");
+        for (code, error) in cases {
+            assert_eq!(error.exit_code(), code, "{error:?}");
         }
         #[cfg(feature = "hdf5")]
         for error in [hdf5(), RecordingError::File(file())] {
-            let error = CliError::from(crate::recording::merge::MergeError::from(error));
-            assert_eq!(error.exit_code(), 1, "{error}");
+            assert_eq!(CliError::from(crate::recording::merge::MergeError::from(error)).exit_code(), 1);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The command line: one file a subcommand.
+//! The command line: arguments, and reports as text and JSON; a file or folder for each subcommand.
 //!
 //! Data goes to standard output, everything else to standard error. Exit 0: done; 1: the run failed;
 //! 2: the input is wrong (arguments, scenario, files it names). `--json` prints one object, last.
@@ -10,7 +10,6 @@ mod error;
 mod escape;
 mod export;
 mod focus;
-mod json;
 mod merge;
 mod monitor;
 mod nav;
@@ -52,7 +51,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 /// Runs the program and returns its exit code.
 pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let begun = Instant::now();
-    report_large_files();
+    crate::files::report_large_files();
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -74,25 +73,13 @@ pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// A file that grows beyond the limit of the process (`ulimit -f`) is an error with a message, not the end of
-/// the program: the signal for it is held back in every thread, and the write fails with its reason.
-#[cfg(unix)]
-fn report_large_files() {
-    let mut signals = nix::sys::signal::SigSet::empty();
-    signals.add(nix::sys::signal::Signal::SIGXFSZ);
-    let _ = signals.thread_block();
-}
-
-#[cfg(not(unix))]
-fn report_large_files() {}
-
-/// What Ctrl-C sets. The second signal of an impatient user ends the program where it is, if that is `ended`.
-fn stopped_by_signal(ended: bool) -> Result<Arc<AtomicBool>, CliError> {
+/// A flag that Ctrl-C sets; with `second_exits` a second Ctrl-C ends the program (130).
+fn stop_on_ctrl_c(second_exits: bool) -> Result<Arc<AtomicBool>, CliError> {
     let stop = Arc::new(AtomicBool::new(false));
     let (asked, signalled) = (Arc::clone(&stop), AtomicBool::new(false));
     let set = ctrlc::set_handler(move || {
         asked.store(true, Ordering::Release);
-        if signalled.swap(true, Ordering::AcqRel) && ended {
+        if signalled.swap(true, Ordering::AcqRel) && second_exits {
             std::process::exit(130);
         }
     });

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::error::CliError;
-use super::values::{Allowed, allowed};
+use super::values::{Unreadable, allowed};
 
 /// `nereus monitor`
 #[derive(Debug, Args)]
@@ -23,7 +23,7 @@ pub struct MonitorArgs {
     pub once: bool,
 }
 
-fn speed(text: &str) -> Result<f64, Allowed> {
+fn speed(text: &str) -> Result<f64, Unreadable> {
     let speed = text.parse().ok().filter(|speed: &f64| (0.001..=1000.0).contains(speed));
     allowed(speed, "a number from 0.001 to 1000")
 }
@@ -36,7 +36,7 @@ pub(super) mod page {
     use std::time::Duration;
 
     use super::{CliError, MonitorArgs};
-    use crate::cli::{counted, escape, say, stopped_by_signal, warn};
+    use crate::cli::{counted, escape, say, stop_on_ctrl_c, warn};
     use crate::monitor::replay::Replay;
     use crate::monitor::{Endpoint, Monitor, Scenery, queue_pulses};
     use crate::pipeline::build::PulseStream;
@@ -65,7 +65,8 @@ pub(super) mod page {
             config: &Path,
             control: Option<Control>,
         ) -> Result<(View, Shown), CliError> {
-            announce(&self.0, control.is_some());
+            let what = if control.is_some() { "see the run and change its reports" } else { "see the run" };
+            announce((self.0.url(), self.0.is_open_to_others()), what);
             let title =
                 config.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
             let (view, onlooker) = stream.view(queue_pulses(stream.header()));
@@ -82,10 +83,10 @@ pub(super) mod page {
         }
     }
 
-    fn announce(endpoint: &Endpoint, control: bool) {
-        say(format_args!("monitor: {}", endpoint.url()));
-        if endpoint.is_open_to_others() {
-            let what = if control { "see the run and change its reports" } else { "see the run" };
+    /// Says where the page is, and what others can do there.
+    fn announce((url, is_open_to_others): (String, bool), what: &str) {
+        say(format_args!("monitor: {url}"));
+        if is_open_to_others {
             warn([format!("other machines can reach the monitor: whoever has its address can {what}")]);
         }
     }
@@ -95,14 +96,10 @@ pub(super) mod page {
         // What a damaged recording holds is shown as far as it goes.
         refuse_fatal(&args.recording)?;
         let endpoint = Endpoint::at(&args.listen)?;
-        let url = endpoint.url();
-        let open_to_others = endpoint.is_open_to_others();
+        let announced = (endpoint.url(), endpoint.is_open_to_others());
         let mut replay = Replay::open(&args.recording, endpoint)?;
-        say(format_args!("monitor: {url}"));
-        if open_to_others {
-            warn(["other machines can reach the monitor: whoever has its address can see the recording"]);
-        }
-        let stop = stopped_by_signal(false)?;
+        announce(announced, "see the recording");
+        let stop = stop_on_ctrl_c(false)?;
         let played = replay.play(args.speed, &stop);
         let name = escape::path(&args.recording);
         let pulses = counted(played.pulses, "pulse");

@@ -17,14 +17,14 @@ const LINE_EVERY: Duration = Duration::from_secs(2);
 pub(super) struct Watcher(Option<JoinHandle<()>>);
 
 /// A sender for progress of pulses, and what shows it.
-pub(super) fn watch(total: u64) -> (Sender<Status>, Watcher) {
-    watch_of(total, "pulses")
+pub(super) fn watch() -> (Sender<Status>, Watcher) {
+    watch_of("pulses")
 }
 
-fn watch_of(total: u64, what: &'static str) -> (Sender<Status>, Watcher) {
+fn watch_of(what: &'static str) -> (Sender<Status>, Watcher) {
     let (sender, receiver) = bounded(8);
     let show = move || {
-        if std::io::stderr().is_terminal() { bar(&receiver, total, what) } else { lines(&receiver, what) }
+        if std::io::stderr().is_terminal() { bar(&receiver, what) } else { lines(&receiver, what) }
     };
     // A machine that cannot start a thread shows no progress; the run itself will say what is wrong.
     (sender, Watcher(thread::Builder::new().name("progress".to_owned()).spawn(show).ok()))
@@ -32,7 +32,7 @@ fn watch_of(total: u64, what: &'static str) -> (Sender<Status>, Watcher) {
 
 /// Does some work and shows how far it is; `work` calls what it is given with what is done, and all there is.
 pub(super) fn counting<T>(what: &'static str, work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
-    let (status, watcher) = watch_of(0, what);
+    let (status, watcher) = watch_of(what);
     let made = work(&|done, total| {
         let (passed, total) = (done as u64, total as u64);
         // Progress that nobody has time to show is not worth waiting for.
@@ -57,8 +57,8 @@ fn trouble(status: &Status) -> Option<String> {
     (*late > 0 || *dropped > 0).then(|| format!("{late} late, {dropped} dropped"))
 }
 
-fn bar(receiver: &Receiver<Status>, total: u64, what: &str) {
-    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+fn bar(receiver: &Receiver<Status>, what: &str) {
+    let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template(&format!(
         "{{bar:40}} {{pos}}/{{len}} {what}, {{per_sec}}, {{eta}} left {{msg:.red}}"
     )) {

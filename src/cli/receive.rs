@@ -10,7 +10,7 @@ use super::error::CliError;
 use super::report::Report;
 use super::scenario::OutputArgs;
 use super::values::{counts, seconds};
-use super::{counted, escape, say, stopped_by_signal};
+use super::{counted, escape, say, stop_on_ctrl_c};
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::outputs;
 use crate::receive::listener::{Opener, Senders, Until, senders};
@@ -62,7 +62,7 @@ pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), Cli
     let notice: Option<fn(&str)> = Some(|line| say(format_args!("warning: {line}")));
     let senders = Senders { from, restart: args.restart, next, older, notice };
     let listener = Listener::bind(&args.listen)?.with(senders);
-    let stop = stopped_by_signal(true)?;
+    let stop = stop_on_ctrl_c(true)?;
     say(format_args!(
         "listening at {}, room for {} KiB of datagrams",
         listener.address(),

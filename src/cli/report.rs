@@ -11,9 +11,9 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::error::CliError;
-use super::json::escaped;
 use super::say;
 use crate::adequacy::description::Described;
+use crate::inputs::escaped_json;
 
 /// A line of the text.
 enum Line {
@@ -74,8 +74,8 @@ impl Report {
 
     /// Paths as a value of the JSON object, which is Unicode: it must not be lost because a path is not.
     pub fn paths(&mut self, key: &str, paths: impl IntoIterator<Item = impl AsRef<Path>>) -> &mut Self {
-        let legible = |path: &dyn AsRef<Path>| path.as_ref().to_string_lossy().into_owned();
-        self.value(key, paths.into_iter().map(|path| legible(&path)).collect::<Vec<_>>())
+        let lossy = paths.into_iter().map(|path| path.as_ref().to_string_lossy().into_owned());
+        self.value(key, lossy.collect::<Vec<_>>())
     }
 
     /// Every field of a struct as a value of the JSON object.
@@ -114,7 +114,7 @@ impl Report {
     pub fn json(self) -> Result<String, CliError> {
         match self.fault {
             Some(fault) => Err(CliError::Output(fault.into())),
-            None => Ok(escaped(format!("{{{}}}", self.values.join(",")))),
+            None => Ok(escaped_json(format!("{{{}}}", self.values.join(",")))),
         }
     }
 
@@ -157,5 +157,17 @@ mod tests {
         );
         let json = r#"{"scenario":"my.toml","pulses_per_s":2.5,"rms_m":null,"pulses":2,"bytes":null}"#;
         assert_eq!(report.json().unwrap(), json);
+    }
+
+    #[test]
+    fn what_acts_on_a_terminal_stays_json() {
+        let name = "a\u{202e}\u{7f}\u{9b}\u{200e}\u{2028}\u{2029}\u{61c}\u{1b}\n\"é";
+        let mut report = Report::default();
+        report.value("name", name);
+        let text = report.json().unwrap();
+        let expected = r#"{"name":"a\u202e\u007f\u009b\u200e\u2028\u2029\u061c\u001b\n\"é"}"#;
+        assert_eq!(text, expected);
+        let back: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(back["name"], name);
     }
 }

@@ -12,7 +12,7 @@ use super::monitor::page::Page;
 use super::report::Report;
 use super::scenario::{OutputArgs, ScenarioArgs};
 use super::values::{PulseRange, Word, duration, one_of};
-use super::{counted, progress, say, stopped_by_signal, warn};
+use super::{counted, progress, say, stop_on_ctrl_c, warn};
 use crate::adequacy::adequacy;
 use crate::config::{Run, Warning};
 use crate::nav::{AttitudeSource, TrackSource};
@@ -85,8 +85,8 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     for note in stream.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
     }
-    let stop = stopped_by_signal(true)?;
-    let (status, watcher) = progress::watch(stream.schedule().count);
+    let stop = stop_on_ctrl_c(true)?;
+    let (status, watcher) = progress::watch();
     let live = stream.live_navigation();
     if let (Some(live), Some(nominal)) = (&live, stream.nominal()) {
         let first = nominal.scene.radar.emissions.emission(nominal.scene.start, stream.schedule().first);

@@ -1,12 +1,14 @@
 //! The scenario of a command, with what its arguments change.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::error::Refused;
 use super::values::{Setting, threads};
 use super::warn;
 use crate::config::{self, ConfigError, Run};
+use crate::scene::Sea;
 use crate::transport::Pace;
 
 /// The scenario of a command.
@@ -72,7 +74,7 @@ impl ScenarioArgs {
         }
     }
 
-    /// The run that is asked for, nothing of which goes to its sinks; warnings of the rest are shown.
+    /// The run asked for; shows warnings except those of its sinks.
     pub(super) fn load_and_warn(&self) -> Result<Run, ConfigError> {
         let run = self.load(&[])?;
         warn_of_scene(&run);
@@ -104,4 +106,18 @@ impl MeasuredArgs {
     pub(super) fn load(&self, more: &[(String, String)]) -> Result<Run, ConfigError> {
         self.scenario.load_to_measure(self.threads, more)
     }
+}
+
+/// The sea of a run; `path` names its scenario.
+pub(super) fn sea_of<'a>(run: &'a Run, path: &Path) -> Result<&'a Sea, Refused> {
+    run.scene.sea.as_ref().ok_or_else(|| Refused::Without { path: path.to_owned(), what: "[sea]" })
+}
+
+/// The number of a channel of a run.
+pub(super) fn channel_of(run: &Run, name: &str) -> Result<usize, Refused> {
+    let all = &run.scene.radar.channels;
+    all.iter().position(|channel| channel.name == name).ok_or_else(|| {
+        let known: Vec<&str> = all.iter().map(|channel| channel.name.as_str()).collect();
+        Refused::NoChannel { name: name.to_owned(), known: known.join(", ") }
+    })
 }

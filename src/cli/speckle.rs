@@ -10,10 +10,8 @@ use clap::Args;
 
 use super::error::CliError;
 use super::report::Report;
-use super::scenario::{OutputArgs, ScenarioArgs, warn_of_scene};
-use super::sea::sea_of;
-use super::sea::snapshot::channel_of;
-use super::values::{Allowed, allowed, counts, distinct, threads};
+use super::scenario::{OutputArgs, ScenarioArgs, channel_of, sea_of, warn_of_scene};
+use super::values::{Unreadable, allowed, counts, distinct, threads};
 use super::{counted, escape, progress, say};
 use crate::bench::clutter::{Azimuth, OverAzimuth, Winds, over_azimuth};
 use crate::bench::clutter_files;
@@ -60,7 +58,7 @@ pub struct SpeckleArgs {
 /// `X,Y` of `--pixels`.
 type Pixels = [usize; 2];
 
-fn pixels(text: &str) -> Result<Pixels, Allowed> {
+fn pixels(text: &str) -> Result<Pixels, Unreadable> {
     let number = |text: &str| text.trim().parse().ok();
     let numbers = text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?]));
     allowed(numbers, "two whole numbers X,Y such as 500,1500")
@@ -87,7 +85,7 @@ pub(super) fn speckle(args: &SpeckleArgs, out: &mut dyn Write) -> Result<(), Cli
         let psi_rad = TAU * wind as f64 / args.winds as f64;
         let (degrees, number) = (psi_rad.to_degrees(), wind + 1);
         say(format_args!("wind {degrees:.1} degrees from the look ({number} of {}) ...", args.winds));
-        let (status, watcher) = progress::watch(run.scene.pulses);
+        let (status, watcher) = progress::watch();
         let echo = winds.echo(psi_rad, Some(status));
         watcher.finish();
         let echo = echo?;

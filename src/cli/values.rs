@@ -1,5 +1,6 @@
 //! Values of arguments: what is read, and what is refused.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::str::FromStr;
 use std::time::Duration;
@@ -13,11 +14,11 @@ use crate::config::keys::{self, Kind};
 /// What an option does not take, and what it does.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("allowed: {0}")]
-pub struct Allowed(String);
+pub struct Unreadable(String);
 
 /// Reads a text, or reports what is allowed.
-pub(super) fn allowed<T>(read: Option<T>, what: impl Into<String>) -> Result<T, Allowed> {
-    read.ok_or_else(|| Allowed(what.into()))
+pub(super) fn allowed<T>(read: Option<T>, what: impl Into<String>) -> Result<T, Unreadable> {
+    read.ok_or_else(|| Unreadable(what.into()))
 }
 
 /// A word of an option, its line of help, and what it stands for.
@@ -41,7 +42,10 @@ pub(super) fn word_of<T: PartialEq>(words: &[Word<T>], value: &T) -> &'static st
 }
 
 /// Reads whole numbers within a range.
-pub(super) fn counts(least: u64, most: u64) -> impl Fn(&str) -> Result<u64, Allowed> + Clone + Send + Sync {
+pub(super) fn counts(
+    least: u64,
+    most: u64,
+) -> impl Fn(&str) -> Result<u64, Unreadable> + Clone + Send + Sync {
     move |text| {
         let count = text.parse().ok().filter(|count| (least..=most).contains(count));
         let most = if most == u64::MAX { "2^64 - 1".to_owned() } else { most.to_string() };
@@ -70,7 +74,7 @@ pub(super) fn pulses_or_all(text: &str) -> Result<u64, &'static str> {
 }
 
 /// Reads numbers of threads, as `stream.threads` has them.
-pub(super) fn threads() -> impl Fn(&str) -> Result<u64, Allowed> + Clone + Send + Sync {
+pub(super) fn threads() -> impl Fn(&str) -> Result<u64, Unreadable> + Clone + Send + Sync {
     match keys::stream::THREADS.kind {
         Kind::Count { min, max } => counts(min, max),
         _ => counts(0, u64::MAX),
@@ -78,7 +82,7 @@ pub(super) fn threads() -> impl Fn(&str) -> Result<u64, Allowed> + Clone + Send 
 }
 
 /// The length of a run, as `scene.duration_s` has it; the text itself becomes part of the recorded scenario.
-pub(super) fn duration(text: &str) -> Result<String, Allowed> {
+pub(super) fn duration(text: &str) -> Result<String, Unreadable> {
     let kind = &keys::scene::DURATION_S.kind;
     let fits = |seconds: &f64| match kind {
         Kind::Number { min, max, above, .. } => (min..=max).contains(&seconds) && !(*above && seconds == min),
@@ -88,20 +92,16 @@ pub(super) fn duration(text: &str) -> Result<String, Allowed> {
 }
 
 /// A span of time, s.
-pub(super) fn seconds(text: &str) -> Result<Duration, Allowed> {
+pub(super) fn seconds(text: &str) -> Result<Duration, Unreadable> {
     let seconds = text.parse().ok().filter(|seconds: &f64| *seconds > 0.0 && *seconds <= 1e9);
     allowed(seconds.map(Duration::from_secs_f64), "a number of seconds above 0, up to 1e9")
 }
 
 /// What was asked for, each once, in the order of asking.
-pub(super) fn distinct(places: Vec<usize>) -> Vec<usize> {
-    let mut kept: Vec<usize> = Vec::with_capacity(places.len());
-    for place in places {
-        if !kept.contains(&place) {
-            kept.push(place);
-        }
-    }
-    kept
+pub(super) fn distinct(mut places: Vec<usize>) -> Vec<usize> {
+    let mut seen = BTreeSet::new();
+    places.retain(|place| seen.insert(*place));
+    places
 }
 
 /// A part of a run: pulses `first..end`.
@@ -114,9 +114,9 @@ pub struct PulseRange {
 }
 
 impl FromStr for PulseRange {
-    type Err = Allowed;
+    type Err = Unreadable;
 
-    fn from_str(text: &str) -> Result<Self, Allowed> {
+    fn from_str(text: &str) -> Result<Self, Unreadable> {
         let range = text.split_once("..").and_then(|(first, end)| {
             let range = Self { first: first.parse().ok()?, end: end.parse().ok()? };
             (range.first < range.end).then_some(range)
@@ -141,9 +141,9 @@ pub struct Setting {
 }
 
 impl FromStr for Setting {
-    type Err = Allowed;
+    type Err = Unreadable;
 
-    fn from_str(text: &str) -> Result<Self, Allowed> {
+    fn from_str(text: &str) -> Result<Self, Unreadable> {
         let parts = text.split_once('=').map(|(key, value)| (key.trim(), value.trim()));
         let parts = parts.filter(|(key, value)| !key.is_empty() && !value.is_empty());
         let setting = parts.map(|(key, value)| Self { key: key.to_owned(), value: value.to_owned() });

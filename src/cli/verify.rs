@@ -1,4 +1,5 @@
-//! `nereus verify`: whether a recording is whole.
+//! `nereus verify`: whether a recording is whole; and the hidden `nereus examine-recording`, which reads one
+//! under limits.
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -343,4 +343,19 @@ impl TrackFigures {
             worst_sigma_m: fixes.iter().filter_map(|fix| fix.sigma.position_m).fold(None, worst),
         }
     }
+
+    /// What fixes hold beside positions, in words: counts of velocities, attitudes and stated standard
+    /// deviations.
+    pub fn contents(&self) -> String {
+        let counts = [self.velocities, self.attitudes, self.deviations];
+        if counts == [0; 3] {
+            return "no velocities, attitudes or standard deviations".to_owned();
+        }
+        let rows = counts.into_iter().zip(["velocities", "attitudes", "standard deviations"]);
+        let text = |(count, what)| match count {
+            0 => format!("no {what}"),
+            _ => format!("{count} {what}"),
+        };
+        rows.map(text).collect::<Vec<_>>().join(", ")
+    }
 }

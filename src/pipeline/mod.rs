@@ -22,7 +22,6 @@ pub mod fault;
 pub mod live;
 #[doc(hidden)]
 pub mod memory;
-pub(crate) mod nav_output;
 mod navigation;
 pub mod released;
 pub(crate) mod outputs;
@@ -30,6 +29,7 @@ pub(crate) mod outputs;
 pub mod plausible;
 pub(crate) mod power;
 pub mod scenario;
+pub mod sea_map;
 mod single;
 #[doc(hidden)]
 pub mod stages;

@@ -71,14 +71,14 @@ pub struct Report {
     /// Last reported state of each platform.
     pub platforms: Vec<Platform>,
     /// What was recorded, where it is.
-    #[serde(serialize_with = "crate::inputs::all_legible")]
+    #[serde(serialize_with = "crate::files::lossy_paths")]
     pub out: Vec<PathBuf>,
     /// Older recordings that stay although they were to be replaced.
-    #[serde(serialize_with = "crate::inputs::all_legible")]
+    #[serde(serialize_with = "crate::files::lossy_paths")]
     pub kept: Vec<PathBuf>,
     /// Recordings of runs before the last that another program has moved on or removed after they were
     /// complete.
-    #[serde(serialize_with = "crate::inputs::all_legible")]
+    #[serde(serialize_with = "crate::files::lossy_paths")]
     pub gone: Vec<PathBuf>,
     /// What ended the reception or the recording early.
     pub error: Option<String>,

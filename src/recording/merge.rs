@@ -38,10 +38,10 @@ const BLOCK_BYTES: usize = 8 << 20;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct MergeReport {
     /// The result.
-    #[serde(serialize_with = "crate::inputs::legible")]
+    #[serde(serialize_with = "crate::files::lossy_path")]
     pub out: PathBuf,
     /// Shards joined, in the order of their pulses.
-    #[serde(serialize_with = "crate::inputs::all_legible")]
+    #[serde(serialize_with = "crate::files::lossy_paths")]
     pub shards: Vec<PathBuf>,
     /// Pulses in the result.
     pub pulses: u64,

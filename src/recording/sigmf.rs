@@ -66,7 +66,7 @@ pub struct Exported {
     /// SigMF's name of their type.
     pub datatype: &'static str,
     /// The files.
-    #[serde(serialize_with = "crate::inputs::all_legible")]
+    #[serde(serialize_with = "crate::files::lossy_paths")]
     pub out: Vec<PathBuf>,
 }
 

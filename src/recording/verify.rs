@@ -69,7 +69,7 @@ pub enum Ending {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Verdict {
     /// The recording.
-    #[serde(serialize_with = "crate::inputs::legible")]
+    #[serde(serialize_with = "crate::files::lossy_path")]
     pub path: PathBuf,
     /// Whether nothing is wrong.
     pub whole: bool,

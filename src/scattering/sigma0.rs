@@ -1,31 +1,47 @@
 //! Normalised radar cross section of the sea, all of it or one facet, by the two-scale model.
 //!
-//! The path's direction of incidence is that of +x, angles from the vertical; the wind blows towards
-//! `aspect_deg` from there. Without a facet no wave is resolved. Channels are those of [`two_scale`]:
-//! `[[vv, vh], [hv, hh]]`, the receiver first.
+//! `sigma0 = 4 pi r^2 <|E_s|^2> / (|E_i|^2 A)` of a channel is `sigma0_Bragg + sigma0_specular
+//! (+ sigma0_breaking)`, power ratios:
+//!
+//! | symbol | is | unit |
+//! | --- | --- | --- |
+//! | `E_i`, `E_s` | incident field, and field scattered to the distance `r` in the polarisations of the channel | V/m |
+//! | `A` | area of the facet's plane; without a facet of the mean sea surface | m^2 |
+//! | `sigma0_Bragg` | first-order small perturbation of waves shorter than the cut, in the mean over the slopes of unresolved ones | 1 |
+//! | `sigma0_specular` | geometrical optics of the unresolved slopes | 1 |
+//! | `sigma0_breaking` | breaking waves ([`super::breaking`]), if asked | 1 |
+//!
+//! The path's direction of incidence is that of +x, angles from the vertical; the wind blows towards the
+//! aspect from there, counter-clockwise. Without a facet no wave is resolved. Channels are those of
+//! [`two_scale`](super::two_scale): `[[vv, vh], [hv, hh]]`, the receiver first.
+//!
+//! Sources and limits: docs/physics.md section 10; [`two_scale`](super::two_scale) has the terms.
 //!
 //! ```
 //! use nereus::scattering::kind::clean::Clean;
 //! use nereus::scattering::permittivity::{Model, SeaWater};
-//! use nereus::scattering::sigma0::{Seen, path};
+//! use nereus::scattering::sigma0::{SeaView, path};
 //! use nereus::scene::water::{SpectrumKind, WindProfile};
 //! use nereus::sea::{spectrum::of_kind, wind::Wind};
 //! let water = SeaWater { temperature_c: 20.0, salinity_gpkg: 35.0 };
 //! let wind = Wind::from_speed(10.0, 10.0, WindProfile::Cardone, 0.0)?;
 //! let spectrum = of_kind(&SpectrumKind::FungLee, &wind)?;
-//! let sea = Seen {
+//! let sea = SeaView {
 //!     carrier_hz: 10e9,
 //!     permittivity: Model::default().permittivity(10e9, water)?,
 //!     wind: &wind,
 //!     spectrum: spectrum.as_ref(),
 //!     kind: &Clean,
-//!     aspect_deg: 180.0,
+//!     // Upwind: cosine and sine of 180 degrees.
+//!     aspect: (-1.0, 0.0),
 //!     facet_m: None,
 //!     relaxation: None,
 //!     breaking: false,
 //!     settings: Default::default(),
 //! };
-//! let [[vv, _], [_, hh]] = sea.sigma0()(&path([45.0, 45.0, 180.0]), [0.0, 0.0]).sum;
+//! let (forward, monostatic) = (0.5_f64.sqrt(), (-1.0, 0.0));
+//! let path = path([(forward, forward), (forward, forward), monostatic]);
+//! let [[vv, _], [_, hh]] = sea.sigma0()(&path, [0.0, 0.0]).sum;
 //! assert!(vv > hh && hh > 0.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -43,7 +59,6 @@ use super::two_scale::{Medium, Settings, TwoScale};
 use crate::scene::water::Dispersion;
 use crate::sea::spectrum::{Spectrum, WaveVector};
 use crate::sea::wind::Wind;
-use crate::units::cos_sin_of_degrees;
 
 /// How modulated Bragg waves relax.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +71,7 @@ pub enum Relaxation {
 
 /// A sea as a radar sees it from one direction.
 #[derive(Clone, Copy)]
-pub struct Seen<'a> {
+pub struct SeaView<'a> {
     /// Carrier, Hz.
     pub carrier_hz: f64,
     /// Relative permittivity of the water, `Im <= 0`.
@@ -67,8 +82,8 @@ pub struct Seen<'a> {
     pub spectrum: &'a dyn Spectrum,
     /// What covers the water.
     pub kind: &'a dyn Kind,
-    /// Direction the wind blows towards, from the direction of incidence, degrees.
-    pub aspect_deg: f64,
+    /// Direction the wind blows towards, from the direction of incidence: its cosine and sine.
+    pub aspect: (f64, f64),
     /// Side of a facet, whose own slopes are resolved, m; `None`: the whole sea.
     pub facet_m: Option<f64>,
     /// How Bragg waves of unresolved tilts are modulated, if they are.
@@ -92,12 +107,12 @@ pub struct Sigma0 {
     pub breaking: Option<[[f64; 2]; 2]>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> SeaView<'a> {
     /// Its cross section on a path, of a facet of such slopes along x and y. The integrals over the spectrum
     /// are done once.
     pub fn sigma0(&self) -> impl Fn(&Path, [f64; 2]) -> Sigma0 + use<'a> {
-        let Seen { carrier_hz, permittivity, wind, spectrum, breaking, .. } = *self;
-        let (cos, sin) = cos_sin_of_degrees(self.aspect_deg);
+        let SeaView { carrier_hz, permittivity, wind, spectrum, breaking, .. } = *self;
+        let (cos, sin) = self.aspect;
         let medium = Medium {
             carrier_hz,
             permittivity,
@@ -130,10 +145,8 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// The path of such an incidence, scattering angle and azimuth of the receiver (0 forward), degrees.
-pub fn path([incidence_deg, scattering_deg, azimuth_deg]: [f64; 3]) -> Path {
-    let (cos_i, sin_i) = cos_sin_of_degrees(incidence_deg);
-    let (cos_s, sin_s) = cos_sin_of_degrees(scattering_deg);
-    let (cos_d, sin_d) = cos_sin_of_degrees(azimuth_deg);
+/// The path of such an incidence, scattering angle and azimuth of the receiver (0 forward), each by its cosine
+/// and sine.
+pub fn path([(cos_i, sin_i), (cos_s, sin_s), (cos_d, sin_d)]: [(f64, f64); 3]) -> Path {
     Path::new(DVec3::new(sin_i, 0.0, -cos_i), DVec3::new(sin_s * cos_d, sin_s * sin_d, cos_s))
 }

@@ -207,16 +207,16 @@ pub struct SinkReport {
     /// Bytes of per-pulse data written.
     pub bytes: u64,
     /// What was written, in order.
-    #[serde(serialize_with = "crate::inputs::all_legible")]
+    #[serde(serialize_with = "crate::files::lossy_paths")]
     pub files: Vec<PathBuf>,
     /// Older outputs that stay although they were to be replaced.
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "crate::inputs::all_legible")]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "crate::files::lossy_paths")]
     pub kept: Vec<PathBuf>,
     /// Why they stay.
     #[serde(skip)]
     pub kept_because: Option<Keeping>,
     /// Older parts that were removed, because this run has none in their places.
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "crate::inputs::all_legible")]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "crate::files::lossy_paths")]
     pub removed: Vec<PathBuf>,
     /// Recordings that a run which was stopped has replaced by shorter ones, and how many pulses they had.
     #[serde(skip)]
@@ -225,7 +225,7 @@ pub struct SinkReport {
     #[serde(skip)]
     pub beside: Vec<(PathBuf, PathBuf)>,
     /// Outputs that another program has moved on or removed after they were complete.
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "crate::inputs::all_legible")]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "crate::files::lossy_paths")]
     pub gone: Vec<PathBuf>,
     /// Of a sink that sends: what became of its datagrams.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -14,6 +14,7 @@ mod export;
 mod files;
 mod focus;
 #[cfg(unix)]
+mod help;
 mod inputs;
 mod inspection;
 #[cfg(all(unix, feature = "serial"))]

@@ -14,7 +14,7 @@ use num_complex::Complex32;
 
 use super::error::{CliError, Refused};
 use super::report::Report;
-use super::values::{Allowed, PulseRange, Word, allowed, distinct, one_of};
+use super::values::{PulseRange, Unreadable, Word, allowed, distinct, one_of};
 use super::{escape, progress, say, warn};
 use crate::inputs::one_line;
 use crate::pipeline::memory::available_bytes;
@@ -152,7 +152,7 @@ impl FocusArgs {
     }
 }
 
-fn doppler_band(text: &str) -> Result<DopplerBand, Allowed> {
+fn doppler_band(text: &str) -> Result<DopplerBand, Unreadable> {
     let band = match (text, text.parse::<f64>()) {
         ("all", _) => Some(DopplerBand::All),
         (_, Ok(hz)) if hz > 0.0 && hz.is_finite() => Some(DopplerBand::Hz(hz)),
@@ -224,6 +224,8 @@ fn names(recording: &Recording, channels: &[usize]) -> Vec<String> {
 fn open(args: &FocusArgs, path: &Path) -> Result<(Recording, Option<Scenario>), CliError> {
     let choose = |header: &Header| channels(args, path, header);
     let opened = Recording::open_channels(path, args.pulses.map(Into::into), available_bytes(), choose);
+    // Wrong input (exit 2) whatever the fault: nothing is written here, so what cannot be read was named wrongly
+    // or is damaged.
     let recording = opened.map_err(|error| match error {
         CliError::Recording(source) => at(path)(source.into()),
         error => error,
@@ -319,21 +321,15 @@ mod tests {
     #[test]
     fn every_choice_has_a_word() {
         for taper in [Taper::Uniform, Taper::Hann, Taper::Taylor, Taper::Kaiser] {
-            match taper {
-                Taper::Uniform | Taper::Hann | Taper::Taylor | Taper::Kaiser => {}
-            }
+            let (Taper::Uniform | Taper::Hann | Taper::Taylor | Taper::Kaiser) = taper;
             assert_ne!(word_of(&TAPERS, &taper), "", "{taper:?}");
         }
         for filter in [RangeFilter::Matched, RangeFilter::Flat] {
-            match filter {
-                RangeFilter::Matched | RangeFilter::Flat => {}
-            }
+            let (RangeFilter::Matched | RangeFilter::Flat) = filter;
             assert_ne!(word_of(&FILTERS, &filter), "", "{filter:?}");
         }
         for nav in [None, Some(Navigation::True), Some(Navigation::Reported)] {
-            match nav {
-                None | Some(Navigation::True | Navigation::Reported) => {}
-            }
+            let (None | Some(Navigation::True | Navigation::Reported)) = nav;
             assert_ne!(word_of(&NAVS, &nav), "", "{nav:?}");
         }
     }

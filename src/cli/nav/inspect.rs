@@ -105,7 +105,7 @@ fn add_track(report: &mut Report, track: &TrackFigures) {
     report.row("height", format!("{:.2} .. {:.2} m", track.height_m[0], track.height_m[1]));
     let [slow, mean, fast] = track.speed_mps;
     report.row("speed", format!("{slow:.2} .. {fast:.2} m/s, mean {mean:.2}"));
-    report.row("contains", contents([track.velocities, track.attitudes, track.deviations]));
+    report.row("contains", track.contents());
     if let Some([east, north, up]) = track.worst_sigma_m {
         report.row("worst", format!("{east:.3} m East, {north:.3} m North, {up:.3} m up"));
     }
@@ -118,17 +118,4 @@ fn add_track(report: &mut Report, track: &TrackFigures) {
             report.row("", format!("{count} {what}"));
         }
     }
-}
-
-/// What fixes hold beside positions: counts of velocities, attitudes and stated standard deviations.
-fn contents(counts: [usize; 3]) -> String {
-    if counts == [0; 3] {
-        return "no velocities, attitudes or standard deviations".to_owned();
-    }
-    let rows = counts.into_iter().zip(["velocities", "attitudes", "standard deviations"]);
-    let text = |(count, what)| match count {
-        0 => format!("no {what}"),
-        _ => format!("{count} {what}"),
-    };
-    rows.map(text).collect::<Vec<_>>().join(", ")
 }

@@ -1,4 +1,6 @@
 //! `nereus nav`: recorded navigation inspected, converted, played, corrupted, and changed in a run under way.
+//!
+//! `corrupt` and `inject` are here, the rest in files of their own.
 
 mod inspect;
 mod rewrite;
@@ -17,7 +19,7 @@ use crate::nav::corruption::{self, Chances, Corrupted};
 use crate::nav::inspection::{Encoding, InspectionError, Reading};
 use crate::nav::replay::read_bytes;
 use crate::pipeline::control_lines;
-use crate::pipeline::nav_output::write_file;
+use crate::sinks::playback::write_file;
 
 use inspect::NavInspectArgs;
 use rewrite::{NavConvertArgs, NavPlayArgs};

@@ -7,31 +7,37 @@ use clap::Args;
 use super::SourceArgs;
 use crate::cli::error::{CliError, Refused};
 use crate::cli::scenario::ForceArg;
-use crate::cli::values::{Allowed, Word, allowed, one_of};
+use crate::cli::values::{Unreadable, Word, allowed, one_of};
 use crate::cli::{escape, say};
 use crate::nav::Place;
 use crate::nav::encode::{Format, OutputFormat, Sentence};
 use crate::nav::inspection::{InspectionError, Recorded};
 use crate::nav::solution::{Solution, derive_velocities};
-use crate::pipeline::nav_output::{self, Played};
+use crate::sinks::playback::{self, Played};
 use crate::sinks::port::Device;
 
-/// Formats that are written; NMEA sentences are those of `--sentences`.
-fn targets() -> [Word<OutputFormat>; 4] {
-    [
-        ("csv", "Comma-separated values", OutputFormat::Csv),
-        ("nmea", "NMEA 0183 sentences", OutputFormat::Messages(Format::Nmea(Vec::new()))),
-        ("inspvaxa", "NovAtel INSPVAX, ASCII", OutputFormat::Messages(Format::InspvaxAscii)),
-        ("inspvaxb", "NovAtel INSPVAX, binary", OutputFormat::Messages(Format::InspvaxBinary)),
-    ]
+/// Word of a format that is written; NMEA sentences are those of `--sentences`.
+#[derive(Clone, Copy, Debug)]
+enum Written {
+    Csv,
+    Nmea,
+    InspvaxAscii,
+    InspvaxBinary,
 }
+
+const WRITTEN: [Word<Written>; 4] = [
+    ("csv", "Comma-separated values", Written::Csv),
+    ("nmea", "NMEA 0183 sentences", Written::Nmea),
+    ("inspvaxa", "NovAtel INSPVAX, ASCII", Written::InspvaxAscii),
+    ("inspvaxb", "NovAtel INSPVAX, binary", Written::InspvaxBinary),
+];
 
 /// How states are written.
 #[derive(Clone, Debug, Args)]
 pub struct TargetArgs {
     /// Format to write [default: csv, nmea or inspvaxb, from the name of the output; nmea for ports]
-    #[arg(long, value_parser = one_of(targets()), value_name = "FORMAT")]
-    to: Option<OutputFormat>,
+    #[arg(long, value_parser = one_of(WRITTEN), value_name = "FORMAT")]
+    to: Option<Written>,
     /// NMEA sentences, in this order
     #[arg(long, value_delimiter = ',', default_value = "GGA,RMC,VTG,HDT,ZDA,GST,PASHR", value_parser = sentence)]
     pub sentences: Vec<Sentence>,
@@ -40,16 +46,16 @@ pub struct TargetArgs {
 impl TargetArgs {
     /// The format asked for.
     fn target(&self) -> Option<OutputFormat> {
-        self.to.clone().map(|to| match to {
-            OutputFormat::Messages(Format::Nmea(_)) => {
-                OutputFormat::Messages(Format::Nmea(self.sentences.clone()))
-            }
-            to => to,
+        Some(match self.to? {
+            Written::Csv => OutputFormat::Csv,
+            Written::Nmea => OutputFormat::Messages(Format::Nmea(self.sentences.clone())),
+            Written::InspvaxAscii => OutputFormat::Messages(Format::InspvaxAscii),
+            Written::InspvaxBinary => OutputFormat::Messages(Format::InspvaxBinary),
         })
     }
 }
 
-fn sentence(text: &str) -> Result<Sentence, Allowed> {
+fn sentence(text: &str) -> Result<Sentence, Unreadable> {
     allowed(Sentence::named(text), "GGA, RMC, VTG, HDT, ZDA, GST, PASHR")
 }
 
@@ -121,8 +127,8 @@ pub(super) fn convert(args: &NavConvertArgs) -> Result<(), CliError> {
     let target = target.ok_or_else(|| Refused::Target(out.clone()))?;
     let solutions = solutions(file, &rewrite.source)?;
     // Nothing is made before all could be written.
-    let bytes = target.encode(&solutions).map_err(nav_output::NavOutputError::from)?;
-    nav_output::write_file(out, rewrite.overwrite.force, &bytes)?;
+    let bytes = target.encode(&solutions).map_err(playback::PlaybackError::from)?;
+    playback::write_file(out, rewrite.overwrite.force, &bytes)?;
     say(format_args!("{}: {} fixes, {} bytes", escape::path(out), solutions.len(), bytes.len()));
     Ok(())
 }
@@ -143,7 +149,7 @@ pub(super) fn play(args: &NavPlayArgs) -> Result<(), CliError> {
         return Ok(());
     }
     let Played { counts, lasted } =
-        nav_output::play(&solutions, &format, &device, *rate, rewrite.overwrite.force)?;
+        playback::play(&solutions, &format, &device, *rate, rewrite.overwrite.force)?;
     say(format_args!(
         "{device}: {} messages of {} sent in {:.1} s, {} lost; vanished {} times",
         counts.messages,

@@ -8,10 +8,8 @@ use crate::cli::error::{CliError, Refused};
 use crate::cli::report::Report;
 use crate::cli::scenario::{OutputArgs, ScenarioArgs};
 use crate::cli::values::one_of;
-use crate::config::Run;
 use crate::plot::patch::{SEA_FIELDS, SeaField};
 use crate::recording::output::{FileKind, Output, apart};
-use crate::scene::Sea;
 use crate::sea::surface::Selection;
 
 /// A map of the patch at a time, and a picture of it.
@@ -46,11 +44,6 @@ impl MapArgs {
             (None, None) => Selection::HEIGHT,
         }
     }
-}
-
-/// The sea of a run; `path` names its scenario.
-pub(in crate::cli) fn sea_of<'a>(run: &'a Run, path: &Path) -> Result<&'a Sea, Refused> {
-    run.scene.sea.as_ref().ok_or_else(|| Refused::Without { path: path.to_owned(), what: "[sea]" })
 }
 
 /// Files that a command makes, under their keys of `--json`.

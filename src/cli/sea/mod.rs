@@ -11,12 +11,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-pub(super) use map::{MapArgs, files, outputs, sea_of};
+pub(super) use map::{MapArgs, files, outputs};
 
 use super::error::CliError;
 use super::report::Report;
-use crate::adequacy::sea_map::SeaMap;
+use super::scenario::sea_of;
 use crate::config::Run;
+use crate::pipeline::sea_map::SeaMap;
 use crate::recording::output::FileKind;
 use crate::scene::sea::Waves;
 use crate::sea::summary::Summary;
@@ -57,15 +58,15 @@ pub(super) fn sea(args: &SeaArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let selection = Selection { slopes: true, ..asked.selection(WRITTEN) };
     let made = SeaMap::of(&run, sea, asked.time_s, selection)?;
     if let Some(output) = state {
-        made.save_state::<CliError>(output)?;
+        made.save_state(output)?;
     }
     if let Some(output) = map {
-        made.save::<CliError>(output, &run.text)?;
+        made.save(output, &run.text)?;
     }
     if let Some(output) = picture {
         made.draw(asked.field)?.save(output)?;
     }
-    let mut report = report(made.figures());
+    let mut report = report(made.summary());
     if sea.waves == Waves::Choppy {
         report.line("choppy waves: heights and slopes are those of the facets where the displacement has carried them");
     }

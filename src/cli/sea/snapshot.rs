@@ -16,9 +16,8 @@ use clap::Args;
 use super::{files, outputs};
 use crate::cli::error::{CliError, Refused};
 use crate::cli::report::Report;
-use crate::cli::scenario::{OutputArgs, ScenarioArgs};
+use crate::cli::scenario::{OutputArgs, ScenarioArgs, channel_of, sea_of};
 use crate::cli::values::counts;
-use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::paths::snapshot::Snapshot;
 use crate::pipeline::changing;
@@ -60,7 +59,7 @@ pub fn snapshot(args: &SnapshotArgs, out: &mut dyn Write) -> Result<(), CliError
     let scene = &run.scene;
     let mapped = args.out.is_some() || args.png.is_some();
     if mapped || args.paths.is_none() {
-        super::sea_of(&run, &args.scenario.config)?;
+        sea_of(&run, &args.scenario.config)?;
     }
     let names: Vec<&str> = scene.radar.channels.iter().map(|channel| channel.name.as_str()).collect();
     let shown = match &args.channel {
@@ -130,13 +129,4 @@ fn add_facets(report: &mut Report, pulse: u64, names: &[&str], snapshot: Option<
     }
     report.value("pulse", pulse).value("facets", facets).value("illuminated", illuminated);
     report.value("received", received).value("channels", channels);
-}
-
-/// The number of a channel of a run.
-pub(in crate::cli) fn channel_of(run: &Run, name: &str) -> Result<usize, Refused> {
-    let all = &run.scene.radar.channels;
-    all.iter().position(|channel| channel.name == name).ok_or_else(|| {
-        let known: Vec<&str> = all.iter().map(|channel| channel.name.as_str()).collect();
-        Refused::NoChannel { name: name.to_owned(), known: known.join(", ") }
-    })
 }

@@ -114,9 +114,10 @@ mod tests {
     use crate::cli::args::{Arguments, Command};
     use crate::cli::table::Quantity;
 
-    fn antenna_args(options: &[&str]) -> TableAntennaArgs {
+    fn antenna_args(options: &str) -> TableAntennaArgs {
         let words = ["nereus", "table", "antenna", "--carrier-hz", "1e10"];
-        let arguments = Arguments::try_parse_from(words.iter().chain(options)).unwrap();
+        let arguments =
+            Arguments::try_parse_from(words.into_iter().chain(options.split_whitespace())).unwrap();
         let Command::Table(args) = arguments.command else { panic!("another command") };
         match args.quantity {
             Quantity::Antenna(args) => args,
@@ -126,22 +127,9 @@ mod tests {
 
     #[test]
     fn rows_follow_the_cut() {
-        let options = [
-            "--width-m",
-            "4",
-            "--height-m",
-            "0.05",
-            "--cut",
-            "el",
-            "--from-deg",
-            "-30",
-            "--to-deg",
-            "30",
-            "--step-deg",
-            "30",
-        ];
+        let options = "--width-m 4 --height-m 0.05 --cut el --from-deg -30 --to-deg 30 --step-deg 30";
         let mut out = Vec::new();
-        antenna(&antenna_args(&options), &mut out).unwrap();
+        antenna(&antenna_args(options), &mut out).unwrap();
         let text = String::from_utf8(out).unwrap();
         let rows: Vec<Vec<f64>> =
             text.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();
@@ -158,14 +146,14 @@ mod tests {
     #[test]
     fn odd_sizes_and_sweeps_are_refused() {
         for options in [
-            &["--width-m", "4"][..],
-            &["--width-m", "-4", "--height-m", "1"],
-            &["--width-m", "nan", "--height-m", "1"],
-            &["--shape", "circle", "--width-m", "1", "--step-deg", "0"],
-            &["--shape", "circle", "--width-m", "1", "--step-deg", "1e-9"],
-            &["--shape", "circle", "--width-m", "1", "--from-deg", "3", "--to-deg", "2"],
-            &["--shape", "circle", "--width-m", "1", "--from-deg", "-91"],
-            &["--shape", "isotropic", "--gain-dbi", "inf"],
+            "--width-m 4",
+            "--width-m -4 --height-m 1",
+            "--width-m nan --height-m 1",
+            "--shape circle --width-m 1 --step-deg 0",
+            "--shape circle --width-m 1 --step-deg 1e-9",
+            "--shape circle --width-m 1 --from-deg 3 --to-deg 2",
+            "--shape circle --width-m 1 --from-deg -91",
+            "--shape isotropic --gain-dbi inf",
         ] {
             let error = antenna(&antenna_args(options), &mut Vec::new()).unwrap_err();
             assert_eq!(error.exit_code(), 2, "{options:?}: {error}");

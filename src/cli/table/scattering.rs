@@ -13,10 +13,11 @@ use crate::cli::values::{Word, one_of, within};
 use crate::scattering::kind::Kind;
 use crate::scattering::kind::clean::Clean;
 use crate::scattering::kind::slick::Slick;
-use crate::scattering::sigma0::{Relaxation, Seen, path};
+use crate::scattering::sigma0::{Relaxation, SeaView, path};
 use crate::scattering::slope_pdf::SlopePdf;
 use crate::scattering::two_scale;
 use crate::scene::sea::{LightWinds, Splitting};
+use crate::units::cos_sin_of_degrees;
 
 /// Facets that may be asked for, m.
 const FACET_RANGE_M: [f64; 2] = [1e-3, 1e4];
@@ -224,21 +225,21 @@ pub(super) fn sigma0(args: &TableSigma0Args, out: &mut dyn Write) -> Result<(), 
     for (carrier_hz, water, permittivity) in media {
         for (wind, spectrum) in winds.iter().zip(&spectra) {
             for &aspect_deg in &angles.aspect {
-                let seen = Seen {
+                let view = SeaView {
                     carrier_hz,
                     permittivity,
                     wind,
                     spectrum: spectrum.as_ref(),
                     kind: kind.as_ref(),
-                    aspect_deg,
+                    aspect: cos_sin_of_degrees(aspect_deg),
                     facet_m: args.facet_m,
                     relaxation,
                     breaking: args.breaking,
                     settings,
                 };
-                let sigma0 = seen.sigma0();
+                let sigma0 = view.sigma0();
                 for of_path @ [incidence_deg, scattering_deg, azimuth_deg] in angles.paths() {
-                    let found = sigma0(&path(of_path), [args.slope_x, args.slope_y]);
+                    let found = sigma0(&path(of_path.map(cos_sin_of_degrees)), [args.slope_x, args.slope_y]);
                     let mut cells = vec![
                         ("carrier_hz", Cell::Given(carrier_hz)),
                         ("temperature_c", Cell::Given(water.temperature_c)),

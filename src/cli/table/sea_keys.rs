@@ -10,7 +10,7 @@ use num_complex::Complex64;
 use super::csv::combinations;
 use super::sweep::{Sweep, Usual};
 use crate::cli::error::{CliError, Refused};
-use crate::cli::values::{Allowed, Word, allowed, one_of, word_of};
+use crate::cli::values::{Unreadable, Word, allowed, one_of, word_of};
 use crate::scattering::permittivity::{Model, SeaWater};
 use crate::scene::sea::LightWinds;
 use crate::scene::water::{Development, SpectrumKind, Spreading, WindProfile};
@@ -176,17 +176,17 @@ pub struct SpectrumKeys {
     spectrum_path: Option<PathBuf>,
 }
 
-/// A wind, and the spectrum of the sea that it raises.
-type RisenSea<'a> = (&'a Wind, Rc<dyn Spectrum>);
+/// A wind, and the spectrum of its sea.
+type WindSea<'a> = (&'a Wind, Rc<dyn Spectrum>);
 
 /// `--spreading`: a law, or an exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpreadingKey(Spreading);
 
 impl FromStr for SpreadingKey {
-    type Err = Allowed;
+    type Err = Unreadable;
 
-    fn from_str(text: &str) -> Result<Self, Allowed> {
+    fn from_str(text: &str) -> Result<Self, Unreadable> {
         let law = match text {
             "mitsuyasu" => Some(Spreading::Mitsuyasu),
             "elfouhaily" => Some(Spreading::LikeElfouhaily),
@@ -221,17 +221,17 @@ impl SpectrumKeys {
         winds.iter().map(of_wind).collect()
     }
 
-    /// The spectrum of each wind (a measured one is read once), for a table of so many values of its other
+    /// Each wind with the spectrum of its sea (a measured one is read once), for a table of so many values of its other
     /// keys.
     pub(super) fn spectra<'a>(
         &self,
         winds: &'a [Wind],
         others: &[usize],
-    ) -> Result<Vec<RisenSea<'a>>, CliError> {
+    ) -> Result<Vec<WindSea<'a>>, CliError> {
         super::csv::bound(&[&[winds.len()], others].concat())?;
         bound_seas(&[winds.len()])?;
         let kind = self.described()?;
-        let mut spectra: Vec<RisenSea> = Vec::with_capacity(winds.len());
+        let mut spectra: Vec<WindSea> = Vec::with_capacity(winds.len());
         for wind in winds {
             let spectrum = match spectra.last() {
                 Some((_, read)) if matches!(kind, SpectrumKind::Measured { .. }) => Rc::clone(read),
@@ -245,24 +245,25 @@ impl SpectrumKeys {
     /// The spectrum described, every key that was given having a meaning.
     fn described(&self) -> Result<SpectrumKind, Refused> {
         let mut kind = self.kind.clone();
-        let (mut age, mut fetch, mut spread, mut file) = (false, false, false, false);
+        let has_age =
+            matches!(kind, SpectrumKind::Elfouhaily { .. } | SpectrumKind::ElfouhailyFungLee { .. });
+        let has_fetch = has_age || matches!(kind, SpectrumKind::Jonswap { .. });
+        let has_spreading =
+            matches!(kind, SpectrumKind::PiersonMoskowitz { .. } | SpectrumKind::Jonswap { .. });
+        let has_file = matches!(kind, SpectrumKind::Measured { .. });
         match &mut kind {
             SpectrumKind::Elfouhaily { development } | SpectrumKind::ElfouhailyFungLee { development } => {
-                (age, fetch) = (true, true);
                 let of_age = self.inverse_wave_age.map(Development::InverseWaveAge);
                 *development = of_age.or(self.fetch_m.map(Development::Fetch)).unwrap_or(*development);
             }
             SpectrumKind::PiersonMoskowitz { spreading } => {
-                spread = true;
                 *spreading = self.spreading.map_or(*spreading, |SpreadingKey(given)| given);
             }
             SpectrumKind::Jonswap { fetch_m, spreading } => {
-                (fetch, spread) = (true, true);
                 *fetch_m = self.fetch_m.unwrap_or(*fetch_m);
                 *spreading = self.spreading.map_or(*spreading, |SpreadingKey(given)| given);
             }
             SpectrumKind::Measured { path, .. } => {
-                file = true;
                 *path = self.spectrum_path.clone().unwrap_or_default();
             }
             SpectrumKind::FungLee => {}
@@ -270,16 +271,16 @@ impl SpectrumKeys {
         let (elfouhaily, jonswap) =
             ("elfouhaily, elfouhaily-fung-lee", "elfouhaily, elfouhaily-fung-lee, jonswap");
         for (key, given, means, allowed) in [
-            ("--inverse-wave-age", self.inverse_wave_age.is_some(), age, elfouhaily),
-            ("--fetch-m", self.fetch_m.is_some(), fetch, jonswap),
-            ("--spreading", self.spreading.is_some(), spread, "pierson-moskowitz, jonswap"),
-            ("--spectrum-path", self.spectrum_path.is_some(), file, "measured"),
+            ("--inverse-wave-age", self.inverse_wave_age.is_some(), has_age, elfouhaily),
+            ("--fetch-m", self.fetch_m.is_some(), has_fetch, jonswap),
+            ("--spreading", self.spreading.is_some(), has_spreading, "pierson-moskowitz, jonswap"),
+            ("--spectrum-path", self.spectrum_path.is_some(), has_file, "measured"),
         ] {
             if given && !means {
                 return Err(Refused::Foreign { key, kind: word_of(&kinds(), &self.kind), allowed });
             }
         }
-        if file && self.spectrum_path.is_none() { Err(Refused::NoFile) } else { Ok(kind) }
+        if has_file && self.spectrum_path.is_none() { Err(Refused::NoFile) } else { Ok(kind) }
     }
 }
 

@@ -9,9 +9,17 @@ use clap::Args;
 use super::MOST_ROWS;
 use crate::cli::error::Refused;
 use crate::cli::values::{Word, one_of};
-use crate::plot::chart::Spacing;
 
 /// How points of a sweep are spaced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spacing {
+    /// Equal differences.
+    Linear,
+    /// Equal ratios.
+    Logarithmic,
+}
+
+/// Their words.
 const SPACINGS: [Word<Spacing>; 2] =
     [("linear", "Equal differences", Spacing::Linear), ("log", "Equal ratios", Spacing::Logarithmic)];
 

@@ -16,9 +16,9 @@ pub struct ImageFigures {
     pub doppler_hz: Option<f64>,
     /// Length of a cell in range and in cross-range in the middle of the image, m, by theory.
     pub cell_m: Option<[f64; 2]>,
-    /// None where the image has no power.
+    /// Mean power, dBW; none where the image has no power.
     pub mean_dbw: Option<f64>,
-    /// Of the brightest pixel.
+    /// Power of the brightest pixel, dBW.
     pub peak_dbw: Option<f64>,
     /// Amplitude that a share of the pixels do not exceed, sqrt(W).
     pub percentile_amplitude: Option<f64>,
@@ -27,7 +27,7 @@ pub struct ImageFigures {
 }
 
 impl Image {
-    /// Of means of power over `looks` by `looks` pixels; `percent` is the share of the pixels.
+    /// The image in figures, from means of power over `looks` by `looks` pixels; `percent` is the share of the pixels.
     pub fn figures(&self, looks: usize, percent: f64) -> ImageFigures {
         let (power, _) = self.power(looks);
         let [mean, peak, contrast] = levels(&power);

@@ -6,11 +6,9 @@
 use std::fs::File;
 use std::io::BufWriter;
 
-use serde::Serialize;
-
-use super::patch_at;
+use super::fault::BuildErrors;
+use super::tracks::patch_at;
 use crate::config::Run;
-use crate::pipeline::fault::BuildErrors;
 use crate::plot::canvas::Canvas;
 use crate::plot::patch::SeaField;
 use crate::plot::picture::PictureError;
@@ -39,6 +37,31 @@ pub enum SeaMapError {
     /// A time out of range.
     #[error(transparent)]
     Surface(#[from] WakeError),
+}
+
+/// Why a map or a state of the sea is not written.
+#[derive(Debug, thiserror::Error)]
+pub enum SeaMapFileError {
+    /// The file cannot be made.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The map cannot be written.
+    #[error(transparent)]
+    Map(#[from] FieldFileError),
+    /// The state cannot be written.
+    #[error(transparent)]
+    State(#[from] StateError),
+}
+
+impl SeaMapFileError {
+    /// Whether what was asked for is wrong, rather than the machine short of something.
+    pub fn is_wrong_input(&self) -> bool {
+        match self {
+            Self::Output(error) => error.is_wrong_input(),
+            Self::Map(error) => error.is_wrong_input(),
+            Self::State(_) => false,
+        }
+    }
 }
 
 /// The sea of a run at a time.
@@ -84,12 +107,7 @@ impl SeaMap {
     }
 
     /// The sea in figures: what `nereus sea --json` prints.
-    pub fn summary(&self) -> &(impl Serialize + use<>) {
-        &self.summary
-    }
-
-    /// The same, each by its name.
-    pub(crate) fn figures(&self) -> &Summary {
+    pub fn summary(&self) -> &Summary {
         &self.summary
     }
 
@@ -97,7 +115,7 @@ impl SeaMap {
     ///
     /// # Errors
     /// A file that cannot be made or written.
-    pub fn save_state<E: From<OutputError> + From<StateError>>(&self, output: Output) -> Result<(), E> {
+    pub fn save_state(&self, output: Output) -> Result<(), SeaMapFileError> {
         output.write(|partial| {
             let file = File::create_new(partial).map_err(OutputError::io(partial, "making the file"))?;
             Ok(self.realised.surface.save(&mut BufWriter::new(file))?)
@@ -108,11 +126,7 @@ impl SeaMap {
     ///
     /// # Errors
     /// A file that cannot be made or written.
-    pub fn save<E: From<OutputError> + From<FieldFileError>>(
-        &self,
-        output: Output,
-        config: &str,
-    ) -> Result<(), E> {
+    pub fn save(&self, output: Output, config: &str) -> Result<(), SeaMapFileError> {
         let Summary { seed, time_s, facet_m, wind_10m_mps, .. } = self.summary;
         let attributes = [
             ("seed", Attribute::Whole(seed)),

@@ -7,18 +7,18 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
+use super::port::{self, Device, Port, PortCounts, PortFault};
 use crate::files::{self, Draft, FileFault, Holding, Recognised};
 use crate::inputs::{self, shown};
 use crate::nav::encode::{Format, Unwritable};
 use crate::nav::solution::Solution;
-use crate::sinks::port::{self, Device, Port, PortCounts, PortFault};
 
 /// How long the last bytes may take.
 const LAST_BYTES: Duration = Duration::from_secs(2);
 
 /// Why navigation is not sent on.
 #[derive(Debug, Error)]
-pub enum NavOutputError {
+pub enum PlaybackError {
     /// A state that the format cannot hold.
     #[error(transparent)]
     Unwritable(#[from] Unwritable),
@@ -45,7 +45,7 @@ pub enum NavOutputError {
     },
 }
 
-impl NavOutputError {
+impl PlaybackError {
     /// Whether what was asked for is wrong, rather than the machine short of something.
     pub fn is_wrong_input(&self) -> bool {
         match self {
@@ -60,8 +60,8 @@ impl NavOutputError {
 ///
 /// # Errors
 /// A file that may not be replaced, and what the system refuses.
-pub fn write_file(path: &Path, force: bool, bytes: &[u8]) -> Result<(), NavOutputError> {
-    let fault = |source| NavOutputError::Write { path: path.to_owned(), source };
+pub fn write_file(path: &Path, force: bool, bytes: &[u8]) -> Result<(), PlaybackError> {
+    let fault = |source| PlaybackError::Write { path: path.to_owned(), source };
     // A pipe or a device is written as it is.
     if force && std::fs::metadata(path).is_ok_and(|data| !(data.is_file() || data.is_dir())) {
         let opened = std::fs::OpenOptions::new().write(true).open(path);
@@ -101,18 +101,18 @@ pub fn play(
     device: &Device,
     rate: f64,
     force: bool,
-) -> Result<Played, NavOutputError> {
+) -> Result<Played, PlaybackError> {
     let mut message = Vec::new();
     // What cannot be reported is known before the port is opened.
     for (number, solution) in (1..).zip(solutions) {
         message.clear();
         format.write(solution, &mut message).map_err(|source| Unwritable::of(number, solution, source))?;
     }
-    let failed = |action| move |source| NavOutputError::Port { device: device.to_string(), action, source };
+    let failed = |action| move |source| PlaybackError::Port { device: device.to_string(), action, source };
     let fault = |action| {
         move |fault| match fault {
             PortFault::System(source) => failed(action)(source),
-            PortFault::File(fault) => NavOutputError::Output(fault),
+            PortFault::File(fault) => PlaybackError::Output(fault),
         }
     };
     let mut port = Port::open(device.clone(), force).map_err(fault("cannot open the port"))?;
