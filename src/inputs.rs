@@ -87,8 +87,8 @@ pub fn written_out(text: &str, acts: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// JSON without what acts on a terminal, which is escaped as JSON has it: serde_json escapes only what is below
-/// U+0020, and [`written_out`] would write the rest as `\u{202e}`, which is no JSON.
+/// JSON without what acts on a terminal, which is escaped as JSON has it: serde_json escapes only what is
+/// below U+0020, and [`written_out`] would write the rest as `\u{202e}`, which is no JSON.
 pub(crate) fn escaped_json(plain: String) -> String {
     if !plain.contains(acts) {
         return plain;

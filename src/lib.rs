@@ -43,14 +43,14 @@
 //! | [`echo`] | scatterer paths to samples |
 //! | [`transport`] | ring, pacer, health: real time, no physics |
 //! | [`recording`] | files of pulses, maps and images, written and read |
-//! | [`sinks`] | where pulses go; recorded navigation played to a port |
+//! | [`sinks`] | where pulses go |
 //! | [`receive`] | a reference receiver of what the network sink sends |
 //! | [`plot`] | pictures of maps, curves, the sea, and what its facets contribute |
 //! | [`processor`] | what a processor makes of pulses: compression, back-projection, point targets |
 //! | [`clutter`] | statistics of the sea's echo: laws, fits, goodness |
 //! | [`config`] | a scenario as written, then as meant |
 //! | [`fidelity`] | a requested error becomes settings, and the error they are predicted to leave |
-//! | [`pipeline`] | the only factory: a run becomes a running stream, or a map of its sea |
+//! | [`pipeline`] | the only factory: a run becomes a running stream, or a map of its sea; navigation is played to a port |
 //! | [`adequacy`] | whether patch, facets, window and horizon fit the scene |
 //! | [`mod@bench`] | assesses a run before it, and measures speed, error and clutter of a pipeline |
 //! | `monitor` | the live page (feature `monitor`) |

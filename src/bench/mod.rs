@@ -1,4 +1,5 @@
-//! Assesses a run before it, and measures a pipeline: speed, cost of its stages, error against the reference echo.
+//! Assesses a run before it, and measures a pipeline: speed, cost of its stages, error against the reference
+//! echo.
 //!
 //! | page | holds |
 //! | --- | --- |

@@ -213,7 +213,7 @@ causes! {
     Plot(crate::plot::chart::PlotError): "A plot cannot be drawn.", |_| true;
     PictureFile(PictureFileError): "A picture cannot be written.", |e| e.is_wrong_input();
     Inspection(crate::nav::inspection::InspectionError): "Recorded navigation cannot be read.", |_| true;
-    Playback(crate::sinks::playback::PlaybackError): "Navigation is not sent on.", |e| e.is_wrong_input();
+    Playback(crate::pipeline::playback::PlaybackError): "Navigation is not sent on.", |e| e.is_wrong_input();
     Device(crate::sinks::port::NotADevice): "A word names no device.", |_| true;
 }
 
@@ -242,12 +242,12 @@ mod tests {
     use super::*;
     use crate::files::FileFault;
     use crate::pipeline::control_lines::LineError;
+    use crate::pipeline::playback::PlaybackError;
     use crate::pipeline::sea_map::SeaMapFileError;
     use crate::plot::canvas::PngError;
     use crate::receive::ReceiveError;
     use crate::recording::RecordingError;
     use crate::sea::surface::StateError;
-    use crate::sinks::playback::PlaybackError;
 
     /// Exit 1: the machine fell short; 2: the input is wrong.
     #[test]

@@ -5,7 +5,7 @@
 //! | the program and its libraries | [`PROGRAM_BYTES`] |
 //! | the sea that all workers share | [`SHARED_FACET_BYTES`] a facet |
 //! | the sea of a worker: its surface, nodes, shadows, phases | [`WORKER_FACET_BYTES`] a facet |
-//! | the same of pulses one by one, shared and of a worker | [`SINGLE_FACET_BYTES`] a facet more |
+//! | the same of pulses one by one, shared and of a worker | `SINGLE_FACET_BYTES` a facet more |
 //! | choppy waves, of a worker | [`CHOPPY_FACET_BYTES`] a facet |
 //! | shadows of a patch that follows, and of choppy waves, of a worker of the fast echo | [`FOLLOW_FACET_BYTES`] a facet |
 //! | ships that echo by their mesh, shared | [`SHARED_PATH_BYTES`] a panel or double bounce |

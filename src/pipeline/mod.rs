@@ -25,6 +25,7 @@ pub mod memory;
 mod navigation;
 pub mod released;
 pub(crate) mod outputs;
+pub(crate) mod playback;
 #[doc(hidden)]
 pub mod plausible;
 pub(crate) mod power;

@@ -5,9 +5,9 @@
 //!
 //! | symbol | is | unit |
 //! | --- | --- | --- |
-//! | `E_i`, `E_s` | incident field, and field scattered to the distance `r` in the polarisations of the channel | V/m |
+//! | `E_i`, `E_s` | incident field, and that scattered to the distance `r` (m), of a channel | V/m |
 //! | `A` | area of the facet's plane; without a facet of the mean sea surface | m^2 |
-//! | `sigma0_Bragg` | first-order small perturbation of waves shorter than the cut, in the mean over the slopes of unresolved ones | 1 |
+//! | `sigma0_Bragg` | small perturbations by waves above the cut, mean over unresolved slopes | 1 |
 //! | `sigma0_specular` | geometrical optics of the unresolved slopes | 1 |
 //! | `sigma0_breaking` | breaking waves ([`super::breaking`]), if asked | 1 |
 //!
@@ -145,8 +145,8 @@ impl<'a> SeaView<'a> {
     }
 }
 
-/// The path of such an incidence, scattering angle and azimuth of the receiver (0 forward), each by its cosine
-/// and sine.
+/// The path of such an incidence, scattering angle and azimuth of the receiver (0 forward), each by its
+/// cosine and sine.
 pub fn path([(cos_i, sin_i), (cos_s, sin_s), (cos_d, sin_d)]: [(f64, f64); 3]) -> Path {
     Path::new(DVec3::new(sin_i, 0.0, -cos_i), DVec3::new(sin_s * cos_d, sin_s * sin_d, cos_s))
 }

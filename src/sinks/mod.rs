@@ -33,7 +33,6 @@ pub mod nav;
 pub mod null;
 #[doc(hidden)]
 pub mod plain;
-pub(crate) mod playback;
 pub(crate) mod redirection;
 #[doc(hidden)]
 pub mod crsd;

@@ -87,3 +87,40 @@ fn record_as_named(sinks: &mut [Settings], out: &Path) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn redirected(kinds: Vec<Kind>, out: &str) -> Result<Vec<Kind>, RedirectionError> {
+        let of = |kind| Settings { kind, queue_pulses: 7 };
+        let mut sinks: Vec<Settings> = kinds.into_iter().map(of).collect();
+        redirect(&mut sinks, out.as_ref())?;
+        assert!(sinks.iter().all(|sink| sink.queue_pulses == 7));
+        Ok(sinks.into_iter().map(|sink| sink.kind).collect())
+    }
+
+    fn plain(path: &str) -> Kind {
+        Kind::Plain { path: path.into(), force: true }
+    }
+
+    #[test]
+    fn the_one_recording_goes_elsewhere_by_its_name() {
+        assert_eq!(redirected(vec![Kind::Null, plain("a")], "b").unwrap(), [Kind::Null, plain("b")]);
+        let crsd = Kind::Crsd { path: "b.crsd".into(), force: true };
+        assert_eq!(redirected(vec![plain("a")], "b.crsd").unwrap(), [crsd]);
+        #[cfg(feature = "hdf5")]
+        {
+            let hdf5 = Kind::Hdf5 { path: "b.h5".into(), segment_s: None, force: true };
+            assert_eq!(redirected(vec![plain("a")], "b.h5").unwrap(), [hdf5]);
+        }
+    }
+
+    #[test]
+    fn without_a_recording_one_is_added_and_of_several_none_is_meant() {
+        let added = Kind::Plain { path: "b".into(), force: false };
+        assert_eq!(redirected(vec![Kind::Null], "b").unwrap(), [added]);
+        let error = redirected(vec![plain("a"), plain("c")], "b").unwrap_err();
+        assert!(error.to_string().contains("which of 2 recordings"), "{error}");
+    }
+}

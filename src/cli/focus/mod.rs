@@ -224,8 +224,8 @@ fn names(recording: &Recording, channels: &[usize]) -> Vec<String> {
 fn open(args: &FocusArgs, path: &Path) -> Result<(Recording, Option<Scenario>), CliError> {
     let choose = |header: &Header| channels(args, path, header);
     let opened = Recording::open_channels(path, args.pulses.map(Into::into), available_bytes(), choose);
-    // Wrong input (exit 2) whatever the fault: nothing is written here, so what cannot be read was named wrongly
-    // or is damaged.
+    // Wrong input (exit 2) whatever the fault: nothing is written here, so what cannot be read was named
+    // wrongly or is damaged.
     let recording = opened.map_err(|error| match error {
         CliError::Recording(source) => at(path)(source.into()),
         error => error,

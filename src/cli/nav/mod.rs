@@ -19,7 +19,7 @@ use crate::nav::corruption::{self, Chances, Corrupted};
 use crate::nav::inspection::{Encoding, InspectionError, Reading};
 use crate::nav::replay::read_bytes;
 use crate::pipeline::control_lines;
-use crate::sinks::playback::write_file;
+use crate::pipeline::playback::write_file;
 
 use inspect::NavInspectArgs;
 use rewrite::{NavConvertArgs, NavPlayArgs};

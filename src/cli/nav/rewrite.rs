@@ -13,7 +13,7 @@ use crate::nav::Place;
 use crate::nav::encode::{Format, OutputFormat, Sentence};
 use crate::nav::inspection::{InspectionError, Recorded};
 use crate::nav::solution::{Solution, derive_velocities};
-use crate::sinks::playback::{self, Played};
+use crate::pipeline::playback::{self, Played};
 use crate::sinks::port::Device;
 
 /// Word of a format that is written; NMEA sentences are those of `--sentences`.

@@ -88,9 +88,9 @@ pub enum Quantity {
     ///
     /// Channels are named receiver first. sigma0 is the sum of the Bragg part (spm) and the specular part
     /// (go), per unit area of the facet's plane; without --facet-m per unit area of the mean sea surface: no
-    /// wave is resolved then. Without --scattering-deg the scattering angle is the incidence; with the default azimuth of 180 that
-    /// is monostatic. Sweep: the angle named by --vary; incidence or scattering 0 to 80 degrees by 5, azimuth
-    /// or aspect 0 to 360 by 10 unless given.
+    /// wave is resolved then. Without --scattering-deg the scattering angle is the incidence; with the
+    /// default azimuth of 180 that is monostatic. Sweep: the angle named by --vary; incidence or scattering 0
+    /// to 80 degrees by 5, azimuth or aspect 0 to 360 by 10 unless given.
     Sigma0(TableSigma0Args),
     /// Measured cross section of the sea, by the empirical NRL clutter model
     ///

@@ -221,8 +221,8 @@ impl SpectrumKeys {
         winds.iter().map(of_wind).collect()
     }
 
-    /// Each wind with the spectrum of its sea (a measured one is read once), for a table of so many values of its other
-    /// keys.
+    /// Each wind with the spectrum of its sea (a measured one is read once), for a table of so many values of
+    /// its other keys.
     pub(super) fn spectra<'a>(
         &self,
         winds: &'a [Wind],

@@ -16,7 +16,7 @@ fn seconds(text: &str) -> f64 {
     }
 }
 
-/// What this thread has had of a processor, s, where the system says: other work on the machine does not count.
+/// What this thread has had of a processor, s, where the system says: other work does not count.
 fn processor_s() -> Option<f64> {
     let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     Some(text.split(' ').next()?.parse::<f64>().ok()? * 1e-9)

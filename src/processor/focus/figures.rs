@@ -27,7 +27,8 @@ pub struct ImageFigures {
 }
 
 impl Image {
-    /// The image in figures, from means of power over `looks` by `looks` pixels; `percent` is the share of the pixels.
+    /// The image in figures, of power averaged over `looks` by `looks` pixels; `percent` of the pixels do not
+    /// exceed [`ImageFigures::percentile_amplitude`].
     pub fn figures(&self, looks: usize, percent: f64) -> ImageFigures {
         let (power, _) = self.power(looks);
         let [mean, peak, contrast] = levels(&power);

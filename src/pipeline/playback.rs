@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use super::port::{self, Device, Port, PortCounts, PortFault};
 use crate::files::{self, Draft, FileFault, Holding, Recognised};
 use crate::inputs::{self, shown};
 use crate::nav::encode::{Format, Unwritable};
 use crate::nav::solution::Solution;
+use crate::sinks::port::{self, Device, Port, PortCounts, PortFault};
 
 /// How long the last bytes may take.
 const LAST_BYTES: Duration = Duration::from_secs(2);
