@@ -79,8 +79,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// At what priority pulses of a mean rate, Hz, were released, and why not at real-time priority (`ahead`).
-    /// What the system refused is reported beside it.
+    /// At what priority pulses of a mean rate, Hz, were released, and why not at real-time priority
+    /// (`ahead`). What the system refused is reported beside it.
     pub fn priority(&self, ahead: bool, mean_prf_hz: f64) -> &'static str {
         if ahead {
             "real-time priority"

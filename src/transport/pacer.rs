@@ -62,8 +62,8 @@ pub const SPIN_BUDGET: Duration = Duration::from_micros(200);
 /// a core.
 const LEAST_PRI_AHEAD: Duration = Duration::from_millis(1);
 
-/// Whether the pacer of pulses at a mean rate, Hz, asks for real-time priority: [`LEAST_PRI_AHEAD`].
-pub fn may_run_ahead(mean_prf_hz: f64) -> bool {
+/// Whether the pacer of pulses at a mean rate, Hz, asks for real-time priority.
+pub(super) fn may_run_ahead(mean_prf_hz: f64) -> bool {
     mean_prf_hz * LEAST_PRI_AHEAD.as_secs_f64() <= 1.0 + 1e-9
 }
 
