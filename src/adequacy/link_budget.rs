@@ -62,6 +62,8 @@ pub const MOST: u64 = 257;
 const PATHS: u64 = 8192;
 /// Targets that the text names.
 const MOST_NAMED: usize = 12;
+/// Lobes of the spectrum of a plain pulse that are looked at, beyond its band.
+const LOBES: f64 = 64.0;
 /// Frequencies at which the spectrum of the pulse is taken: at least, at most.
 const FREQUENCIES: [usize; 2] = [256, 16_384];
 
@@ -210,14 +212,16 @@ fn least_share(radar: &Radar) -> f64 {
 
 /// `E_2^2 / E_4`, s: the length of a pulse in band.
 fn seconds_of_pulse(waveform: &dyn Waveform, radar: &Radar) -> f64 {
-    let fs = radar.sample_rate_hz;
-    let filter = ReceiveFilter::new(fs);
-    // The squared spectrum is that of an autocorrelation of length 2 Tc.
-    let count = (2 * waveform.span_samples(fs)).clamp(FREQUENCIES[0], FREQUENCIES[1]);
-    let step_hz = fs / count as f64;
+    let filter = ReceiveFilter::new(radar.sample_rate_hz);
+    // Beyond the band by many lobes there is next to nothing, and the squared spectrum is that of an
+    // autocorrelation of length 2 Tc: a long sweep, which needs more frequencies, is smooth within its band.
+    let duration_s = waveform.duration_s();
+    let band_hz = radar.sample_rate_hz.min(waveform.bandwidth_hz() + LOBES / duration_s);
+    let count = ((2.0 * duration_s * band_hz).ceil() as usize).clamp(FREQUENCIES[0], FREQUENCIES[1]);
+    let step_hz = band_hz / count as f64;
     let [mut first, mut second] = [0.0; 2];
     for k in 0..count {
-        let f_hz = (k as f64 + 0.5) * step_hz - 0.5 * fs;
+        let f_hz = (k as f64 + 0.5) * step_hz - 0.5 * band_hz;
         let passed = filter.response(f_hz).powi(2);
         let density = waveform.spectrum(f_hz).norm_sqr() * passed;
         first += density * step_hz;
@@ -484,7 +488,8 @@ fn target_text(of: &TargetBudget, budget: &LinkBudget) -> String {
 fn figure(value: f64) -> String {
     let size = value.abs();
     let decimals = if size > 0.0 { (3 - size.log10().floor() as i64).clamp(0, 3) as usize } else { 0 };
-    let text = format!("{value:.decimals$}");
+    // Without the sign of a zero.
+    let text = format!("{:.decimals$}", if size < 5e-4 { 0.0 } else { value });
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 

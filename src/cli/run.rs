@@ -92,7 +92,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         let first = nominal.scene.radar.emissions.emission(nominal.scene.start, stream.schedule().first);
         live.standing(first).for_each(say);
     }
-    if nominal.start_now {
+    if nominal.start_now && run.stream.pace == Pace::Realtime {
         say(format_args!("pulses begin at {}", nominal.scene.start));
     }
     if let Some(needed_s) = stream.needed_latency_s() {
@@ -103,7 +103,16 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let open =
         control.map(|(socket, control)| socket.open(Subject { control, stop: Arc::clone(&stop) }, say));
     let control = stream.control().filter(|_| args.monitor_control);
-    let shown = page.map(|page| page.show(&stream, &run.scene, &run.path, control)).transpose()?;
+    let shown = page
+        .map(|page| {
+            page.show(
+                &stream,
+                if nominal.start_now { &nominal.scene } else { &run.scene },
+                &run.path,
+                control,
+            )
+        })
+        .transpose()?;
     let (view, shown) = shown.unzip();
     let outcome = stream.run_in_view(&stop, Some(status), view);
     if let Some(shown) = shown {
@@ -139,7 +148,10 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         add_navigation(&mut report, &run, &live.report(), &outcome);
     }
     let known = run.warnings.iter().map(ToString::to_string);
-    let warnings: Vec<String> = known.chain(physics.iter().map(ToString::to_string)).collect();
+    let of_sinks = outcome.reports.iter().filter_map(|(_, report)| report.as_ref());
+    let of_sinks = of_sinks.flat_map(|report| report.notes().into_iter().chain(report.losses()));
+    let warnings: Vec<String> =
+        known.chain(physics.iter().map(ToString::to_string)).chain(of_sinks).collect();
     report.value("changes", &changes).value("warnings", warnings);
     report.value("error", outcome.result.as_ref().err().map(ToString::to_string));
     report.say(args.output.format.json, out)?;
@@ -305,6 +317,11 @@ fn prepare(args: &RunArgs) -> Result<(Run, Range<u64>), CliError> {
     }
     if args.output.overwrite.force {
         run.sinks.iter_mut().for_each(|sink| sink.kind.overwrite());
+    }
+    if let Some(shard) = args.shard.filter(|_| run.start_now) {
+        return Err(
+            Refused::value("shard", shard, "with the same start_utc for all shards, not \"now\"").into()
+        );
     }
     run.shard = args.shard;
     let all = run.scene.pulses;

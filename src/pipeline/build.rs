@@ -137,6 +137,8 @@ fn on_known_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErr
     let begun = Instant::now();
     let stream = on_nominal_tracks(run, range.clone())?;
     let Some(later) = clock_start::later(run, begun.elapsed())? else { return Ok(stream) };
+    // Its memory is what the next one takes.
+    drop(stream);
     let stream = on_nominal_tracks(&later, range)?;
     Ok(PulseStream { later: Some(Box::new(later)), ..stream })
 }
@@ -498,7 +500,7 @@ impl PulseStream {
             })?;
         }
         if waits {
-            clock_start::wait(first, stop);
+            clock_start::wait(first, stop)?;
         }
         let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.

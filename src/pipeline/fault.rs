@@ -33,6 +33,15 @@ pub enum BuildError {
         /// What is wrong.
         source: SourceError,
     },
+    /// A run that waits for the clock, and was not ready in time.
+    #[error(
+        "pulse 0 was due {late_s:.3} s before the run was ready for it (start_utc = \"now\"); allowed: to try again on a machine \
+         that is less busy, or a UTC time that lies ahead"
+    )]
+    StartPassed {
+        /// How late it was, s.
+        late_s: f64,
+    },
     /// A scenario that is read once more, for a later start.
     #[error(transparent)]
     Scenario(Box<ConfigError>),

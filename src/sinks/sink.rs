@@ -271,10 +271,12 @@ impl SinkReport {
         });
         let beside = self.beside.iter().map(|(path, at)| {
             let (path, at) = (path.display(), at.display());
+            // Of several files nobody has counted which pulses are in which.
+            let pulses = if self.beside.len() == 1 { pulses.clone() } else { "pulses".to_owned() };
             match self.pulses {
                 0 => format!("{path}: kept as it was; {at} has no pulse of this run"),
                 _ => format!(
-                    "{path}: kept as it was; {pulses} of this run are in {at}: mv {at} {path} to use them"
+                    "{path}: kept as it was; {pulses} of this run are in {at}: to use them, put it in the place of {path}"
                 ),
             }
         });

@@ -13,8 +13,8 @@ mod export;
 #[cfg(unix)]
 mod files;
 mod focus;
-#[cfg(unix)]
 mod help;
+#[cfg(unix)]
 mod inputs;
 mod inspection;
 #[cfg(all(unix, feature = "serial"))]

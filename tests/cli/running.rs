@@ -158,8 +158,6 @@ fn slipped_time_is_reported() {
     assert!(json(&ended.stdout)["slipped_s"].as_f64().unwrap() > 0.0, "{}", ended.stdout);
 }
 
-/// Ctrl-C ends a run cleanly, and so does whoever stops a service: exit 0, the recording closed and readable.
-#[cfg(unix)]
 /// Stamps are those of the clock at which pulses are emitted, released by the latency later.
 #[test]
 fn a_run_that_starts_now_waits_for_its_start() {
@@ -195,6 +193,8 @@ fn a_name_that_says_another_format_is_warned_of() {
     assert!(ended.code == 0 && !ended.stderr.contains("whatever"), "{}", ended.stderr);
 }
 
+/// Ctrl-C ends a run cleanly, and so does whoever stops a service: exit 0, the recording closed and readable.
+#[cfg(unix)]
 #[test]
 fn signals_close_the_recording() {
     ["-INT", "-TERM"].into_iter().for_each(closed_by);

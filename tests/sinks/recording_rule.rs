@@ -177,7 +177,7 @@ mod hdf5 {
         assert_eq!((pulses(&path), pulses(&kept.files[0])), (70, 10));
         let (path_text, at) = (path.display(), kept.files[0].display());
         let note = format!(
-            "{path_text}: kept as it was; 10 pulses of this run are in {at}: mv {at} {path_text} to use them"
+            "{path_text}: kept as it was; 10 pulses of this run are in {at}: to use them, put it in the place of {path_text}"
         );
         assert_eq!(kept.notes(), [note]);
         let mut sink = Box::new(unlocked(|| Hdf5Sink::create(&path, None, true, &header)));

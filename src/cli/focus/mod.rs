@@ -25,6 +25,7 @@ use crate::processor::taper::Taper;
 use crate::recording::Recording;
 use crate::recording::examination::examine;
 use crate::recording::header::Header;
+use crate::units::digits;
 use images::Outputs;
 
 /// Which navigation the processor takes; `None`: both.
@@ -260,8 +261,8 @@ fn image(focuser: &Focuser, channel: usize) -> Result<Image, FocusError> {
         // Half of it: a peak between four pixels loses 0.9 dB along each side.
         warn([format!(
             "pixels of {pixel_m} m undersample the image: peaks and contrast are lower than they are; \
-             --pixel-m {:.2} keeps a peak within 1 dB along each side",
-            0.5 * coarsest_m
+             --pixel-m {} keeps a peak within 1 dB along each side",
+            digits(0.5 * coarsest_m)
         )]);
     }
     Ok(image)
