@@ -340,12 +340,8 @@ impl Sights<'_> {
             let state = tracks[mount.platform].truth.state(time)?;
             let frame = around.antenna_frame(mount, state.attitude, time)?;
             let (centre, axes) = (PhaseCentre::of(&state, mount.lever_arm), DMat3::from_quat(frame.raw()));
-            let basis = match PolarisationBasis::of(&mount.pattern) {
-                PolarisationBasis::Ludwig3 => PortBasis::ludwig3(axes),
-                PolarisationBasis::LocalHorizontal => {
-                    PortBasis::local_horizontal(scene.frame.earth().up(centre.position).raw())
-                }
-            };
+            let up = scene.frame.earth().up(centre.position).raw();
+            let basis = PortBasis::of(PolarisationBasis::of(&mount.pattern), axes, up);
             Ok(Stood { centre, axes, basis })
         };
         mounts(&scene.radar)

@@ -132,7 +132,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let mut report = Report::default();
     report.values(&outcome.summary);
     add_release(&mut report, &run, &outcome);
-    add_recordings(&mut report, &outcome);
+    let of_sinks = add_recordings(&mut report, &outcome);
     if let Some(converter) = &converter {
         add_converter(&mut report, converter);
         let found = converter.warnings();
@@ -148,8 +148,6 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         add_navigation(&mut report, &run, &live.report(), &outcome);
     }
     let known = run.warnings.iter().map(ToString::to_string);
-    let of_sinks = outcome.reports.iter().filter_map(|(_, report)| report.as_ref());
-    let of_sinks = of_sinks.flat_map(|report| report.notes().into_iter().chain(report.losses()));
     let warnings: Vec<String> =
         known.chain(physics.iter().map(ToString::to_string)).chain(of_sinks).collect();
     report.value("changes", &changes).value("warnings", warnings);
@@ -214,18 +212,21 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
     }
 }
 
-/// What each sink holds or has sent.
-fn add_recordings(report: &mut Report, outcome: &RunOutcome) {
+/// What each sink holds or has sent; returns its warnings.
+fn add_recordings(report: &mut Report, outcome: &RunOutcome) -> Vec<String> {
     let sinks: Vec<&SinkReport> = outcome.reports.iter().filter_map(|(_, report)| report.as_ref()).collect();
     report.value("out", &sinks);
+    let mut warnings = Vec::new();
     for sink in sinks {
         for line in sink.lines() {
             report.line(line);
         }
         for warning in sink.notes().into_iter().chain(sink.losses()) {
-            report.warning(warning);
+            report.warning(&warning);
+            warnings.push(warning);
         }
     }
+    warnings
 }
 
 /// What the converter was fed with.

@@ -197,12 +197,11 @@ impl Emission {
             } else {
                 (DMat3::ZERO, up)
             };
-            let (basis, basis_change) = match PolarisationBasis::of(&mount.pattern) {
-                PolarisationBasis::Ludwig3 => (PortBasis::ludwig3(now), change),
-                PolarisationBasis::LocalHorizontal => {
-                    let basis = PortBasis::local_horizontal(up);
-                    (basis, PortBasis::local_horizontal(later_up).axes - basis.axes)
-                }
+            let kind = PolarisationBasis::of(&mount.pattern);
+            let basis = PortBasis::of(kind, now, up);
+            let basis_change = match kind {
+                PolarisationBasis::Ludwig3 => change,
+                PolarisationBasis::LocalHorizontal => PortBasis::local_horizontal(later_up).axes - basis.axes,
             };
             self.centres.push(centre);
             self.axes.push(now);

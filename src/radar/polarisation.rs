@@ -72,6 +72,14 @@ impl PortBasis {
         Self { kind: PolarisationBasis::LocalHorizontal, axes }
     }
 
+    /// The basis of an antenna, about its axes or under the vertical (a unit vector) at its phase centre.
+    pub fn of(kind: PolarisationBasis, axes: Axes, up: DVec3) -> Self {
+        match kind {
+            PolarisationBasis::Ludwig3 => Self::ludwig3(axes),
+            PolarisationBasis::LocalHorizontal => Self::local_horizontal(up),
+        }
+    }
+
     /// Unit vectors of H and V across a unit direction from the antenna.
     pub fn vectors(&self, d: DVec3) -> [DVec3; 2] {
         match self.kind {
