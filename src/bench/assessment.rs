@@ -78,6 +78,10 @@ impl Assessment {
         self.warnings.extend(self.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
         self.warnings.extend(polarisation(run)?.iter().map(ToString::to_string));
         self.plan(run, &stream);
+        // The latency of live navigation that is not given follows from its fixes.
+        let is_live = run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::Live(_)));
+        let realtime = run.stream.pace == Pace::Realtime && (run.stream.latency_given || !is_live);
+        self.warnings.extend(short_latency(&stream).filter(|_| realtime));
         if let Some((points, in_cell)) = stream.factory().rain()
             && let Some(row) = self.models.with.iter_mut().find(|row| row.what == RAIN)
         {
@@ -111,6 +115,12 @@ impl Assessment {
         }
         self.plan = Some(PlanReport::new(planned, factor, stream.predicted_bytes()));
     }
+}
+
+/// What to do about a latency that is shorter than the blocks in which pulses are made.
+pub fn short_latency(stream: &PulseStream) -> Option<String> {
+    let remedy = stream.in_hand().remedy()?;
+    Some(format!("pulses come too late in real time, however fast they are made: {remedy}"))
 }
 
 /// Live platforms of which nothing is known beforehand.
