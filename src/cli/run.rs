@@ -14,7 +14,6 @@ use super::scenario::{OutputArgs, ScenarioArgs};
 use super::values::{PulseRange, Word, duration, one_of};
 use super::{counted, progress, say, stop_on_ctrl_c, warn};
 use crate::adequacy::adequacy;
-use crate::bench::assessment::short_latency;
 use crate::config::{Run, Warning};
 use crate::nav::{AttitudeSource, TrackSource};
 use crate::pipeline::build::{self, RunOutcome};
@@ -95,9 +94,6 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     }
     if nominal.start_now && run.stream.pace == Pace::Realtime {
         say(format_args!("pulses begin at {}", nominal.scene.start));
-    }
-    if run.stream.pace == Pace::Realtime {
-        warn(short_latency(&stream));
     }
     let in_hand = stream.in_hand();
     if let Some(needed_s) = stream.needed_latency_s() {

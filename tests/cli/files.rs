@@ -145,7 +145,7 @@ fn a_full_disk_ends_the_run_or_its_own_sink() {
     let config = scenario();
     let run = |on_failure: &str| {
         let sinks = format!(
-            "sink=[{{ kind = \"plain\", path = \"full.plain\", on_failure = \"{on_failure}\" }}, {{ kind = \"null\" }}]"
+            "sink=[{{ kind = \"plain\", path = \"full.plain\", on_failure = \"{on_failure}\", queue_pulses = 8 }}, {{ kind = \"null\" }}]"
         );
         let words =
             ["run", &config, "--pace", "fast", "--pulses", "0..2000", "--set", &sinks, "--force", "--json"];
@@ -179,7 +179,8 @@ fn of_two_runs_that_replace_a_recording_one_says_so() {
         assert_eq!(made.code, 0, "{}", made.stderr);
         let mut slow = run_of(&config, "0..1000", name);
         slow.iter_mut().filter(|word| **word == "fast").for_each(|word| *word = "realtime");
-        let first = started(folder.path(), &[&slow[..], &["--force"]].concat());
+        let first =
+            started(folder.path(), &[&slow[..], &["--force", "--set", "stream.policy=slip"]].concat());
         // It has begun when its own file is there.
         let begun = Instant::now();
         while !listing(folder.path()).iter().any(|name| name.ends_with(".partial")) {
