@@ -172,9 +172,9 @@ fn a_full_disk_ends_the_run_or_its_own_sink() {
 #[cfg(unix)]
 #[test]
 fn of_two_runs_that_replace_a_recording_one_says_so() {
-    let folder = tempfile::tempdir().unwrap();
     let config = scenario();
     for name in recordings() {
+        let folder = tempfile::tempdir().unwrap();
         let made = nereus(folder.path(), &run_of(&config, "0..10", name));
         assert_eq!(made.code, 0, "{}", made.stderr);
         let mut slow = run_of(&config, "0..1000", name);

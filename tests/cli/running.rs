@@ -234,7 +234,9 @@ fn two_signals_at_once_are_one() {
 fn closed_by(signal: &str, times: usize) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("stopped.plain");
-    let run = ["run", &calibration(), "--set", "sink.0.kind=\"plain\"", "--out", "stopped.plain"];
+    let set = ["--set", "sink.0.kind=\"plain\"", "--set", "stream.policy=slip"];
+    let config = calibration();
+    let run = [&["run", &config, "--out", "stopped.plain"], &set[..]].concat();
     let mut child = started(folder.path(), &run);
     let begun = Instant::now();
     let index = out.join("pulse/index.bin");
