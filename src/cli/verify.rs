@@ -18,7 +18,8 @@ use crate::recording::verify::{Verdict, verify as read_all};
 pub struct VerifyArgs {
     /// HDF5 file or folder
     pub recording: PathBuf,
-    /// Exit 1, too, where pulses of the run are missing: dropped in real time, or not made because it was stopped
+    /// Exit 1, too, where pulses of the run are missing: dropped in real time, or not made because it was
+    /// stopped
     #[arg(long)]
     pub complete: bool,
     /// How it is reported

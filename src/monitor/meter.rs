@@ -1,7 +1,7 @@
 //! Counts what a browser sends between two messages.
 //!
-//! The length of a message is bounded, but not how many frames it has: a browser could send empty ones without
-//! end, and none of them would reach whoever counts messages. So bytes are counted where they arrive.
+//! The length of a message is bounded, but not how many frames it has: a browser could send empty ones
+//! without end, and none of them would reach whoever counts messages. So bytes are counted where they arrive.
 
 use std::io;
 use std::pin::Pin;

@@ -186,8 +186,8 @@ pub enum BuildError {
 pub struct BuildErrors(pub Vec<BuildError>);
 
 impl BuildErrors {
-    /// Whether any of them is a fault of what was asked for, rather than of the machine: a full disk, a system
-    /// without threads.
+    /// Whether any of them is a fault of what was asked for, rather than of the machine: a full disk, a
+    /// system without threads.
     pub fn is_wrong_input(&self) -> bool {
         self.0.iter().any(|error| match error {
             BuildError::Sink(error) => error.is_wrong_input(),

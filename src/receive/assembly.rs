@@ -52,7 +52,8 @@ pub(super) enum Taken {
     Stray,
     /// Its time is not one of this run, or far from all others.
     Implausible,
-    /// It lies so far ahead that it may be anybody's; if the stream turns out to be there, it is wanted again.
+    /// It lies so far ahead that it may be anybody's; if the stream turns out to be there, it is wanted
+    /// again.
     Ahead,
     /// It has shown that the stream is where those that lay ahead were: it is wanted again, after them.
     Moved,

@@ -2,8 +2,8 @@
 //!
 //! In real time a full queue means that the pulse is missed *by that sink*: counted, and the next
 //! pulse that the sink gets carries `AFTER_GAP`. The others are not held up. At pace `fast` a full
-//! queue holds up the pacer, and through the main ring the generation: nothing is lost. In real time the pacer
-//! asks for the same with [`FanOut::make_room`], for sinks that are to get every pulse.
+//! queue holds up the pacer, and through the main ring the generation: nothing is lost. In real time the
+//! pacer asks for the same with [`FanOut::make_room`], for sinks that are to get every pulse.
 //!
 //! A sink that is gone ends the run, unless it may fail: then the others go on without it.
 //!

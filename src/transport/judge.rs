@@ -1,4 +1,5 @@
-//! When a pulse is due, when it was made too late, and when what is overdue leaves: see [`pacer`](super::pacer).
+//! When a pulse is due, when it was made too late, and when what is overdue leaves: see
+//! [`pacer`](super::pacer).
 
 use std::time::{Duration, Instant};
 

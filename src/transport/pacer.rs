@@ -20,13 +20,14 @@
 //! generation which is 5 % faster than real time makes up for it.
 //!
 //! **Standstill**: the pacer slept [`STANDSTILL`] longer than it asked to: the machine, or this program, was
-//! stopped, and generation with it. Its length is counted, and added to `h`. (The monotonic clock stands still
-//! while a machine is suspended, and steps of the wall clock do not touch it: the stream goes on where it was.)
+//! stopped, and generation with it. Its length is counted, and added to `h`. (The monotonic clock stands
+//! still while a machine is suspended, and steps of the wall clock do not touch it: the stream goes on where
+//! it was.)
 //!
 //! What is **overdue** never leaves in a burst that the sinks' queues cannot hold: pulses more than
-//! [`BURST_PULSES`](super::judge::BURST_PULSES) intervals overdue leave half an interval apart, and a pulse that is late waits for the
-//! sinks that are to get every pulse ([`FanOut::make_room`]), up to `d(n) + h` and under `slip` as long as it
-//! takes.
+//! [`BURST_PULSES`](super::judge::BURST_PULSES) intervals overdue leave half an interval apart, and a pulse
+//! that is late waits for the sinks that are to get every pulse ([`FanOut::make_room`]), up to `d(n) + h` and
+//! under `slip` as long as it takes.
 //!
 //! The policy says what becomes of pulses that are not made in time, and of those that the pacer releases too
 //! late:

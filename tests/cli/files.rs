@@ -167,8 +167,8 @@ fn a_full_disk_ends_the_run_or_its_own_sink() {
     assert!(report["error"].as_str().unwrap().contains("went on without it"), "{report}");
 }
 
-/// Two runs that replace one recording at once: before, the one that ended last removed what the other had just
-/// made, and neither said so.
+/// Two runs that replace one recording at once: before, the one that ended last removed what the other had
+/// just made, and neither said so.
 #[cfg(unix)]
 #[test]
 fn of_two_runs_that_replace_a_recording_one_says_so() {

@@ -225,8 +225,8 @@ fn the_same_run_again_is_followed_over_several_channels() {
     assert!(indices.len() >= 130, "{}", indices.len());
 }
 
-/// Before: the first whole pulses after each gap of more than a second were evidence that the stream was there,
-/// and were lost for it.
+/// Before: the first whole pulses after each gap of more than a second were evidence that the stream was
+/// there, and were lost for it.
 #[test]
 fn a_gap_costs_no_pulse_that_came_whole() {
     let long = (1.5 * PRF_HZ).ceil() as u64;
