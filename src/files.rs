@@ -70,6 +70,15 @@ pub enum FileFault {
         /// What may be overwritten.
         kind: &'static str,
     },
+    /// Another run has put its output there since this one was begun.
+    #[error(
+        "{}: not overwritten, because another program has put this output there since the new one was begun",
+        path.display()
+    )]
+    Overtaken {
+        /// The output.
+        path: PathBuf,
+    },
     /// Another program has it open, or has just changed it.
     #[error("{}: not overwritten, because a run is writing it or another program reads it", path.display())]
     InUse {
@@ -137,7 +146,7 @@ impl FileFault {
     pub fn is_wrong_input(&self) -> bool {
         match self {
             Self::Exists { .. } | Self::Foreign { .. } | Self::InUse { .. } | Self::NoFolder { .. } => true,
-            Self::Removed { .. } | Self::Moved { .. } | Self::Kept { .. } => false,
+            Self::Removed { .. } | Self::Moved { .. } | Self::Overtaken { .. } | Self::Kept { .. } => false,
             Self::Io { source, .. } => matches!(
                 source.kind(),
                 io::ErrorKind::NotFound
@@ -190,6 +199,8 @@ impl Identity {
 #[derive(Debug)]
 pub struct Draft {
     target: PathBuf,
+    /// What stood in its place when it was begun.
+    stood: Option<Identity>,
     at: PathBuf,
     made: Option<(Identity, Holding)>,
     /// Knows it whatever its name.
@@ -279,8 +290,8 @@ impl Draft {
     /// [`Self::made`].
     pub fn named(target: &Path) -> Self {
         let target = resolved(target);
-        let at = private_name(&target);
-        Self { at, target, made: None, witness: None, mark: None, is_handed_on: false }
+        let (at, stood) = (private_name(&target), Identity::of(&target).ok());
+        Self { at, target, stood, made: None, witness: None, mark: None, is_handed_on: false }
     }
 
     /// An empty file under the name of this process, and its handle.
@@ -487,6 +498,10 @@ impl Draft {
             }
             old => old?,
         };
+        // Two runs at once: what the other has finished meanwhile is not what was to be replaced.
+        if self.stood.is_none_or(|stood| !old.is(stood)) {
+            return Err(FileFault::Overtaken { path: self.target.clone() });
+        }
         match names::exchange(&self.at, &self.target, || private_name(&self.target)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             done => done.map_err(FileFault::io(&self.target, "exchanging the old output for the new"))?,

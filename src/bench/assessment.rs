@@ -15,6 +15,7 @@ use crate::pipeline::build::{self, PulseStream};
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::{outputs, plausible};
 use crate::transport::Pace;
+use crate::transport::pacer::InHand;
 use crate::units::digits;
 
 /// The assessment of a run, without emitting a pulse.
@@ -96,6 +97,11 @@ impl Assessment {
                 digits(resources.real_time_factor)
             ));
         }
+        // The latency of live navigation that is not given follows from its fixes.
+        let is_live = run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::Live(_)));
+        if run.stream.pace == Pace::Realtime && (run.stream.latency_given || !is_live) {
+            self.warnings.extend(short_latency(stream.in_hand(), resources.real_time_factor));
+        }
         self.resources = Some(resources);
         Ok(())
     }
@@ -111,6 +117,16 @@ impl Assessment {
         }
         self.plan = Some(PlanReport::new(planned, factor, stream.predicted_bytes()));
     }
+}
+
+/// What to do about a latency in which the pulses that are made at once are not made.
+fn short_latency(in_hand: InHand, real_time_factor: f64) -> Option<String> {
+    let takes_s = in_hand.batch_s / real_time_factor;
+    let remedy = in_hand.remedy().filter(|_| takes_s > in_hand.latency_s)?;
+    Some(format!(
+        "pulses come too late in real time: those that are made at once take about {} ms on this machine; {remedy}",
+        digits(takes_s * 1e3)
+    ))
 }
 
 /// Live platforms of which nothing is known beforehand.

@@ -148,6 +148,19 @@ macro_rules! causes {
                 /// Faults found.
                 faults: u64,
             },
+            /// A recording that lacks pulses of its run.
+            #[error(
+                "{}: not complete: {missing} of the {asked} pulses of the run {} missing",
+                shown(path), if *missing == 1 { "is" } else { "are" }
+            )]
+            NotComplete {
+                /// The recording.
+                path: PathBuf,
+                /// Pulses that it lacks.
+                missing: u64,
+                /// Pulses of the run.
+                asked: u64,
+            },
             /// A recording that cannot be focused; what cannot be read bears its name.
             #[error("{}{source}", named(path, source))]
             Focus {
@@ -163,7 +176,8 @@ macro_rules! causes {
             /// Exit code: 2 when the input is wrong, 1 otherwise.
             pub fn exit_code(&self) -> u8 {
                 let is_wrong_input = match self {
-                    Self::Output(_) | Self::Run(_) | Self::Signal(_) | Self::NotWhole { .. } => false,
+                    Self::Output(_) | Self::Run(_) | Self::Signal(_) => false,
+                    Self::NotWhole { .. } | Self::NotComplete { .. } => false,
                     Self::Focus { .. } => true,
                     $($(#[$when])? Self::$name(error) => {
                         let is_wrong_input: fn(&$source) -> bool = $is_wrong_input;
@@ -179,7 +193,7 @@ macro_rules! causes {
 causes! {
     Refused(Refused): "What was asked for cannot be done.", |_| true;
     Config(crate::config::ConfigError): "The scenario is wrong.", |_| true;
-    Build(crate::pipeline::fault::BuildErrors): "The run cannot be built.", |_| true;
+    Build(crate::pipeline::fault::BuildErrors): "The run cannot be built.", |e| e.is_wrong_input();
     Redirection(crate::sinks::redirection::RedirectionError): "`--out` cannot take the recording.", |_| true;
     #[cfg(feature = "hdf5")]
     Merge(crate::recording::merge::MergeError): "Recordings cannot be joined.", |e| e.is_wrong_input();

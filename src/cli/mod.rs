@@ -32,7 +32,7 @@ use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Parser;
 
@@ -73,17 +73,44 @@ pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// A flag that Ctrl-C sets; with `second_exits` a second Ctrl-C ends the program (130).
-fn stop_on_ctrl_c(second_exits: bool) -> Result<Arc<AtomicBool>, CliError> {
+/// A flag that Ctrl-C sets. Where `files` are written, a second one is answered, and a third ends the program
+/// (130) while they are not closed.
+fn stop_on_ctrl_c(files: bool) -> Result<Arc<AtomicBool>, CliError> {
     let stop = Arc::new(AtomicBool::new(false));
-    let (asked, signalled) = (Arc::clone(&stop), AtomicBool::new(false));
+    let (asked, mut presses) = (Arc::clone(&stop), Presses::default());
     let set = ctrlc::set_handler(move || {
         asked.store(true, Ordering::Release);
-        if signalled.swap(true, Ordering::AcqRel) && second_exits {
-            std::process::exit(130);
+        match presses.signal(Instant::now()) {
+            Some(2) if files => {
+                say("outputs are being closed; Ctrl-C again leaves them as they are, and the rest is lost");
+            }
+            Some(3..) if files => std::process::exit(130),
+            _ => {}
         }
     });
     set.map(|()| stop).map_err(CliError::Signal)
+}
+
+/// Signals so close together are one press: a terminal, a shell and `timeout` may each pass it on.
+const ONE_PRESS: Duration = Duration::from_secs(1);
+
+/// How often Ctrl-C was pressed.
+#[derive(Debug, Default)]
+struct Presses {
+    count: u32,
+    last: Option<Instant>,
+}
+
+impl Presses {
+    /// The press that a signal is; none if it is part of the one before.
+    fn signal(&mut self, now: Instant) -> Option<u32> {
+        let before = self.last.replace(now);
+        if before.is_some_and(|before| now.saturating_duration_since(before) < ONE_PRESS) {
+            return None;
+        }
+        self.count = self.count.saturating_add(1);
+        Some(self.count)
+    }
 }
 
 /// A line for people. A standard error that cannot be written is no reason to lose a run.
@@ -123,5 +150,21 @@ pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Re
         Command::Receive(args) => receive::receive(args, out),
         Command::Nav(args) => nav::nav(args, out),
         Command::ExamineRecording(args) => verify::examine_here(args),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Before: the second of two signals within 5 ms ended the program while files were open.
+    #[test]
+    fn signals_close_together_are_one_press() {
+        let mut presses = Presses::default();
+        let begun = Instant::now();
+        let mut at = |ms| presses.signal(begun + Duration::from_millis(ms));
+        assert_eq!([at(0), at(5), at(6), at(900)], [Some(1), None, None, None]);
+        // A key that is held down is one press, too.
+        assert_eq!([at(1800), at(2799), at(3799), at(3800), at(9000)], [None, None, Some(2), None, Some(3)]);
     }
 }

@@ -78,7 +78,7 @@ pub(super) fn receive(args: &ReceiveArgs, out: &mut dyn Write) -> Result<(), Cli
 }
 
 fn preflight(kinds: impl Iterator<Item = Kind>) -> Result<(), CliError> {
-    let settings: Vec<_> = kinds.map(|kind| sinks::Settings { kind, queue_pulses: 1 }).collect();
+    let settings: Vec<_> = kinds.map(|kind| sinks::Settings::new(kind, 1)).collect();
     outputs::preflight(&settings)
         .into_iter()
         .next()

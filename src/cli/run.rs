@@ -95,6 +95,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     if nominal.start_now && run.stream.pace == Pace::Realtime {
         say(format_args!("pulses begin at {}", nominal.scene.start));
     }
+    let in_hand = stream.in_hand();
     if let Some(needed_s) = stream.needed_latency_s() {
         latency(&run, needed_s, stream.latency_s());
     }
@@ -132,6 +133,13 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let mut report = Report::default();
     report.values(&outcome.summary);
     add_release(&mut report, &run, &outcome);
+    let missing = outcome.summary.health.dropped;
+    if let Some(remedy) = in_hand.remedy().filter(|_| missing > 0) {
+        report.warning(format_args!("{} dropped: {remedy}", were(missing)));
+    }
+    for (name, error) in &outcome.failed {
+        report.warning(format_args!("sink '{name}' failed, too: {error}"));
+    }
     let of_sinks = add_recordings(&mut report, &outcome);
     if let Some(converter) = &converter {
         add_converter(&mut report, converter);
@@ -199,6 +207,12 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
             run.stream.priority(health.pacer_ahead, run.scene.radar.emissions.mean_prf_hz())
         ));
     }
+    if health.stood_still_s > 0.0 {
+        report.warning(format_args!(
+            "the machine, or this program, stood still for {} in all",
+            span(health.stood_still_s)
+        ));
+    }
     if health.slipped_s > 0.0 {
         report.line(format!("time slipped by {} in all (policy \"slip\")", span(health.slipped_s)));
     }
@@ -206,7 +220,7 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
         let reason = right.reason.as_deref().unwrap_or("refused");
         report.warning(format_args!("the system refused stream.{}: {reason}", right.asked));
     }
-    for sink in health.sinks.iter().filter(|sink| sink.dropped > 0) {
+    for sink in health.sinks.iter().filter(|sink| sink.dropped > 0 && !sink.failed) {
         let missed = counted(sink.dropped, "pulse");
         report.warning(format_args!("sink '{}' was too slow and missed {missed}", sink.name));
     }
@@ -242,6 +256,11 @@ fn add_converter(report: &mut Report, of: &ConverterReport) {
             of.bits, of.saturated, of.samples
         ))
         .value("converter", of);
+}
+
+/// So many pulses were.
+fn were(pulses: u64) -> String {
+    format!("{} {}", counted(pulses, "pulse"), if pulses == 1 { "was" } else { "were" })
 }
 
 /// A span of time, in milliseconds up to a second.

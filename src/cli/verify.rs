@@ -18,6 +18,10 @@ use crate::recording::verify::{Verdict, verify as read_all};
 pub struct VerifyArgs {
     /// HDF5 file or folder
     pub recording: PathBuf,
+    /// Exit 1, too, where pulses of the run are missing: dropped in real time, or not made because it was
+    /// stopped
+    #[arg(long)]
+    pub complete: bool,
     /// How it is reported
     #[command(flatten)]
     pub format: JsonArg,
@@ -45,10 +49,11 @@ pub(super) fn verify(args: &VerifyArgs, out: &mut dyn Write) -> Result<(), CliEr
     refuse_fatal(&args.recording)?;
     let verdict = read_all(&args.recording)?;
     report(&verdict).print(args.format.json, out)?;
-    if verdict.whole {
-        Ok(())
-    } else {
-        Err(CliError::NotWhole { path: verdict.path, faults: verdict.faults })
+    let Verdict { path, whole, faults, missing, asked, .. } = verdict;
+    match (whole, missing) {
+        (false, _) => Err(CliError::NotWhole { path, faults }),
+        (true, 1..) if args.complete => Err(CliError::NotComplete { path, missing, asked }),
+        _ => Ok(()),
     }
 }
 

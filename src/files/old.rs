@@ -22,6 +22,11 @@ impl Old {
         Identity::of(path).ok() == Some(self.identity)
     }
 
+    /// Whether it is a certain file or folder.
+    pub fn is(&self, identity: Identity) -> bool {
+        self.identity == identity
+    }
+
     /// Removes it from here.
     pub fn remove(self, at: &Path) -> io::Result<()> {
         remove(at, &self.holding)

@@ -15,6 +15,7 @@ use tokio::sync::{OwnedSemaphorePermit, mpsc};
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
 use super::hub::{Hub, State};
+use super::meter::Meter;
 use super::status;
 use crate::pipeline::control_lines::LONGEST_LINE;
 
@@ -67,7 +68,8 @@ impl Drop for Present {
 }
 
 /// Serves a browser until it goes or the run ends.
-pub async fn serve(mut socket: WebSocket, hub: Arc<Hub>, _permit: OwnedSemaphorePermit) {
+pub async fn serve(mut socket: WebSocket, hub: Arc<Hub>, meter: Meter, _permit: OwnedSemaphorePermit) {
+    meter.message();
     hub.browsers.fetch_add(1, Ordering::Relaxed);
     let _present = Present(Arc::clone(&hub));
     let mut place = Place::default();
@@ -108,6 +110,7 @@ pub async fn serve(mut socket: WebSocket, hub: Arc<Hub>, _permit: OwnedSemaphore
                 }
                 match message {
                     Message::Text(text) => {
+                        meter.message();
                         let Ok(asked) = serde_json::from_str::<Asked>(&text) else {
                             close(&mut socket, close_code::POLICY, "not a message of the page").await;
                             return;

@@ -25,6 +25,7 @@ mod footprint;
 mod guard;
 mod history;
 mod hub;
+mod meter;
 mod metrics;
 mod misreport;
 mod ranges;

@@ -11,19 +11,20 @@ use std::sync::atomic::Ordering;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{Next, from_fn};
 use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::get;
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::sync::{Notify, Semaphore};
 
 use super::hub::Hub;
+use super::meter::{Meter, Metered};
 use super::{MonitorFault, assets, client, guard, metrics, status, watch};
 
 /// Connections at a time, those of browsers that look on apart.
@@ -163,7 +164,9 @@ async fn accept(listener: &tokio::net::TcpListener, subject: &Subject) {
             subject.hub.turned_away.fetch_add(1, Ordering::Relaxed);
             continue;
         };
-        let service = TowerToHyperService::new(router.clone());
+        let meter = Meter::default();
+        let service = TowerToHyperService::new(router.clone().layer(Extension(meter.clone())));
+        let stream = Metered::new(stream, meter);
         tokio::spawn(async move {
             let connection = http1::Builder::new()
                 .timer(TokioTimer::new())
@@ -282,6 +285,7 @@ async fn part(State(subject): State<Subject>, Path((token, name)): Path<(String,
 async fn socket(
     State(subject): State<Subject>,
     Path(token): Path<String>,
+    Extension(meter): Extension<Meter>,
     upgrade: Result<WebSocketUpgrade, axum::extract::ws::rejection::WebSocketUpgradeRejection>,
 ) -> Response {
     if !guard::is_token(&token, &subject.token) {
@@ -299,5 +303,5 @@ async fn socket(
         .max_frame_size(FRAME_BYTES)
         .write_buffer_size(0)
         .max_write_buffer_size(UNSENT_BYTES)
-        .on_upgrade(move |socket| client::serve(socket, subject.hub, permit))
+        .on_upgrade(move |socket| client::serve(socket, subject.hub, meter, permit))
 }

@@ -33,11 +33,11 @@ use crate::recording::header::Header;
 use crate::scene::Scene;
 use crate::sea::fleet::{self, FleetError};
 use crate::sea::realise::realise;
-use crate::sinks;
 use crate::sinks::crsd::Plan as CrsdPlan;
 use crate::sinks::sink::{SinkError, SinkReport, drain};
-use crate::transport::fanout::Fed;
-use crate::transport::pacer::Status;
+use crate::sinks::{self, OnFailure};
+use crate::transport::fanout::{Fed, Role};
+use crate::transport::pacer::{InHand, Status};
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Stream};
 use crate::transport::view::{self, Onlooker, View};
@@ -290,6 +290,11 @@ impl PulseStream {
         self.settings.latency_s
     }
 
+    /// The latency, and what is made before the first pulse is there.
+    pub fn in_hand(&self) -> InHand {
+        InHand::of(&self.settings, &self.schedule)
+    }
+
     /// The latency with which every pulse has interpolated navigation, s; `None` without live navigation.
     pub fn needed_latency_s(&self) -> Option<f64> {
         self.live.as_ref().map(|live| live.needed_s)
@@ -453,7 +458,7 @@ impl PulseStream {
             waits,
             ..
         } = self;
-        let asked = is_whole.then_some(schedule.count);
+        let (asked, policy) = (is_whole.then_some(schedule.count), settings.policy);
         let commands = control.map(|(_, commands)| commands);
         let range = schedule.first..schedule.end();
         let first = schedule.times.emission(header.start, range.start);
@@ -484,7 +489,8 @@ impl PulseStream {
                 0 => sink.name().to_owned(),
                 n => format!("{} {}", sink.name(), n + 1),
             };
-            stream.sink(&name, settings.queue_pulses, move |feed| drain(sink, feed).map(Some))?;
+            let role = Role { lossless: true, may_fail: settings.on_failure == OnFailure::Continue };
+            stream.sink_as(&name, settings.queue_pulses, role, move |feed| drain(sink, feed).map(Some))?;
         }
         if let Some(see) = tap {
             stream.sink("tap", settings.ring_slots, move |mut feed| {
@@ -509,7 +515,7 @@ impl PulseStream {
         let mut costs = Costs::default();
         workspaces.iter().for_each(|work| costs.add(work.costs()));
         let _ = levels.set(sum_of(workspaces.iter().map(Workspace::levels)));
-        Ok((placed(outcome, asked), costs))
+        Ok((placed(outcome, asked, policy), costs))
     }
 }
 

@@ -185,6 +185,19 @@ pub enum BuildError {
 #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct BuildErrors(pub Vec<BuildError>);
 
+impl BuildErrors {
+    /// Whether any of them is a fault of what was asked for, rather than of the machine: a full disk, a
+    /// system without threads.
+    pub fn is_wrong_input(&self) -> bool {
+        self.0.iter().any(|error| match error {
+            BuildError::Sink(error) => error.is_wrong_input(),
+            BuildError::Pool(_) => false,
+            BuildError::Stream(error) => !matches!(error, StreamError::Thread { .. }),
+            _ => true,
+        })
+    }
+}
+
 impl From<PulseError> for BuildError {
     fn from(error: PulseError) -> Self {
         match error {

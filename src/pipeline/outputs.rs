@@ -17,6 +17,7 @@ use crate::scene::radar::{AntennaMount, PolarisationBasis};
 use crate::sinks::crsd::{CrsdSink, Plan};
 use crate::sinks::sink::{Closed, Sink, SinkError, SinkReport, Unplaced};
 use crate::sinks::{self, Kind};
+use crate::transport::Policy;
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError};
 
@@ -180,18 +181,23 @@ pub(super) fn open_all(
 
 /// Puts recordings in the place of older ones, if the run went well; otherwise they stay beside them. `asked`
 /// is the number of pulses, if they are all that the scenario has.
+///
+/// A run that went on without a sink has failed, but its other recordings are complete; so has one in which a
+/// sink missed pulses, unless its policy allows that.
 pub(super) fn placed(
     outcome: Outcome<Option<Closed>, PulseError, SinkError>,
     asked: Option<u64>,
+    policy: Policy,
 ) -> Outcome<Option<SinkReport>, PulseError, SinkError> {
-    let Outcome { summary, reports, mut result } = outcome;
+    let Outcome { summary, reports, mut failed, mut result } = outcome;
     let passed = summary.health.pulses + summary.health.dropped;
-    let (failed, whole) = (result.is_err(), !summary.stopped && asked.is_some_and(|asked| passed >= asked));
+    let (has_failed, whole) =
+        (result.is_err(), !summary.stopped && asked.is_some_and(|asked| passed >= asked));
     let reports = reports
         .into_iter()
         .map(|(name, closed)| {
             let Some(closed) = closed else { return (name, None) };
-            if failed {
+            if has_failed {
                 return (name, Some(closed.keep()));
             }
             match closed.place(whole) {
@@ -206,7 +212,16 @@ pub(super) fn placed(
             }
         })
         .collect();
-    Outcome { summary, reports, result }
+    if result.is_ok() && !failed.is_empty() {
+        let (name, error) = failed.remove(0);
+        result = Err(RunError::Without { name, error });
+    }
+    let pulses = summary.health.pulses;
+    let short = summary.health.sinks.iter().find(|sink| sink.lossless && !sink.failed && sink.dropped > 0);
+    if let (true, false, Some(sink)) = (result.is_ok(), policy == Policy::Drop, short) {
+        result = Err(RunError::Missed { name: sink.name.clone(), missed: sink.dropped, pulses });
+    }
+    Outcome { summary, reports, failed, result }
 }
 
 /// Whether two places are of the same kind.

@@ -119,7 +119,7 @@ impl Scenario {
         status: Option<Sender<Status>>,
     ) -> Result<RunOutcome, ScenarioError> {
         let mut run = self.0.clone();
-        run.sinks = vec![sinks::Settings { kind: recording, queue_pulses: QUEUE_PULSES }];
+        run.sinks = vec![sinks::Settings::new(recording, QUEUE_PULSES)];
         run.stream.pace = Pace::Fast;
         Ok(build::stream(&run, pulses)?.run(stop, status)?)
     }

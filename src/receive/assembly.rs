@@ -29,8 +29,6 @@ const WAITING: usize = 64;
 /// little.
 const BESIDE_S: f64 = 1e6;
 const SLIP: f64 = 0.01;
-/// Samples so far after those of the last whole pulse are none of this stream.
-const FAR_PS: i128 = 3600 * SECOND_PS;
 /// Mean intervals between pulses that are no neighbours: twice as many as may be open.
 const APART: f64 = 16.0;
 /// How far a stamp may lie from the grid: half a picosecond for it and for the first sample's, and one more
@@ -54,6 +52,11 @@ pub(super) enum Taken {
     Stray,
     /// Its time is not one of this run, or far from all others.
     Implausible,
+    /// It lies so far ahead that it may be anybody's; if the stream turns out to be there, it is wanted
+    /// again.
+    Ahead,
+    /// It has shown that the stream is where those that lay ahead were: it is wanted again, after them.
+    Moved,
     /// Its number is not one of this run, not that of its time, or not that of its pulse.
     Misnumbered,
 }
@@ -221,10 +224,14 @@ impl Assembly {
     }
 
     /// Whether the stream is followed to where an emission is out of its place.
-    fn follow(&mut self, emission_ps: i128, done: &mut dyn FnMut(Box<Pulse>) -> Option<Box<Pulse>>) -> bool {
+    fn follow(
+        &mut self,
+        emission_ps: i128,
+        done: &mut dyn FnMut(Box<Pulse>) -> Option<Box<Pulse>>,
+    ) -> Verdict {
         let verdict = self.track.elsewhere(emission_ps);
         if verdict == Verdict::Waits {
-            return false;
+            return verdict;
         }
         while !self.open.is_empty() {
             self.close(done);
@@ -233,7 +240,7 @@ impl Assembly {
         self.strand();
         (self.last_ps, self.last_emission, self.base_ps) = (None, None, None);
         self.rewound += u64::from(verdict == Verdict::Rewound);
-        true
+        verdict
     }
 
     /// Gives up packets that wait for their pulse.
@@ -274,11 +281,13 @@ impl Assembly {
         let place = match self.open.iter().position(near) {
             Some(place) => place,
             None => {
-                let ahead = || self.track.is_ahead(time_ps).then_some(Taken::Implausible);
-                if let Some(taken) = self.closed(first_ps, 1).or_else(ahead)
-                    && !self.follow(time_ps, done)
-                {
-                    return taken;
+                let ahead = || self.track.is_ahead(time_ps).then_some(Taken::Ahead);
+                if let Some(taken) = self.closed(first_ps, 1).or_else(ahead) {
+                    match self.follow(time_ps, done) {
+                        Verdict::Waits => return taken,
+                        Verdict::Moved => return Taken::Moved,
+                        Verdict::Rewound => {}
+                    }
                 }
                 self.begin(first_ps, done)
             }
@@ -322,8 +331,8 @@ impl Assembly {
         if let Some(taken) = self.closed(time_ps, samples) {
             return taken;
         }
-        if self.base_ps.is_some_and(|base| time_ps - base > FAR_PS) {
-            return Taken::Implausible;
+        if self.base_ps.is_some_and(|base| time_ps - base > self.track.leap_ps()) {
+            return Taken::Ahead;
         }
         if begins {
             // The first word of a pulse whose states are missing or still to come.

@@ -43,8 +43,8 @@ pub mod shm;
 mod roster;
 mod track;
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, VecDeque};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use crate::pulse::Pulse;
@@ -103,6 +103,32 @@ pub struct Receiver {
     rewound: u64,
     /// Times that a run was known.
     known: u64,
+    withheld: Withheld,
+}
+
+/// Datagrams that lie ahead of the stream, in case that it turns out to be there: after a gap the first
+/// pulses are evidence, and are not lost for it.
+#[derive(Debug, Default)]
+struct Withheld {
+    datagrams: VecDeque<(Vec<u8>, Instant)>,
+    bytes: usize,
+    /// Whether the stream is there.
+    believed: bool,
+}
+
+/// Most bytes that are withheld; the oldest go first.
+const WITHHELD_BYTES: usize = 32 << 20;
+
+impl Withheld {
+    fn push(&mut self, datagram: &[u8], arrival: Instant) {
+        self.bytes += datagram.len();
+        self.datagrams.push_back((datagram.to_vec(), arrival));
+        while self.bytes > WITHHELD_BYTES
+            && let Some((oldest, _)) = self.datagrams.pop_front()
+        {
+            self.bytes -= oldest.len();
+        }
+    }
 }
 
 /// Descriptions of another run that must come in a row before it is believed: one datagram may be anybody's.
@@ -167,9 +193,14 @@ impl Receiver {
     pub fn take(&mut self, datagram: &[u8], arrival: Instant, outlet: &mut dyn Outlet) {
         self.report.datagrams += 1;
         self.report.bytes += datagram.len() as u64;
-        if let Err(fault) = self.read(datagram, arrival, outlet) {
-            self.report.malformed += 1;
-            self.report.first_fault.get_or_insert_with(|| fault.to_string());
+        self.read_counted(datagram, arrival, outlet);
+        if self.withheld.believed {
+            let Withheld { datagrams, .. } = std::mem::take(&mut self.withheld);
+            for (datagram, arrival) in datagrams {
+                // Counted when it was withheld; it is counted as what it is now.
+                self.report.implausible -= 1;
+                self.read_counted(&datagram, arrival, outlet);
+            }
         }
         let rewound = self.assembly.as_ref().map_or(0, |assembly| assembly.rewound);
         if rewound > self.rewound {
@@ -185,6 +216,13 @@ impl Receiver {
         }
     }
 
+    fn read_counted(&mut self, datagram: &[u8], arrival: Instant, outlet: &mut dyn Outlet) {
+        if let Err(fault) = self.read(datagram, arrival, outlet) {
+            self.report.malformed += 1;
+            self.report.first_fault.get_or_insert_with(|| fault.to_string());
+        }
+    }
+
     /// Ends the run that is received. What is known of it stays known, for the same run may begin again.
     fn begin_again(&mut self, outlet: &mut dyn Outlet) {
         self.close_run(outlet);
@@ -194,6 +232,7 @@ impl Receiver {
     fn close_run(&mut self, outlet: &mut dyn Outlet) {
         self.close_pulses(outlet);
         self.assembly = None;
+        self.withheld = Withheld::default();
         self.forget_streams();
         self.other = None;
         self.rewound = 0;
@@ -255,6 +294,7 @@ impl Receiver {
                 if self.is_plausible(&packet) && self.is_new(stream, &packet) {
                     let taken = self.signal(stream, &packet, arrival, outlet);
                     self.note_taken(stream, &packet, taken);
+                    self.withhold(taken, datagram, arrival);
                 }
             }
             Kind::Context => {
@@ -285,6 +325,7 @@ impl Receiver {
                         if self.is_plausible(&packet) && self.is_new(stream, &packet) {
                             let taken = self.state(stream, &packet, &state, arrival, outlet);
                             self.note_taken(stream, &packet, taken);
+                            self.withhold(taken, datagram, arrival);
                         }
                     }
                     Some(description) => {
@@ -304,6 +345,18 @@ impl Receiver {
             Kind::ExtensionData | Kind::Command => self.report.unknown += 1,
         }
         Ok(())
+    }
+
+    /// Keeps a datagram that lies ahead, or that has shown that the stream is there.
+    fn withhold(&mut self, taken: Option<Taken>, datagram: &[u8], arrival: Instant) {
+        match taken {
+            Some(Taken::Ahead) => self.withheld.push(datagram, arrival),
+            Some(Taken::Moved) => {
+                self.withheld.push(datagram, arrival);
+                self.withheld.believed = true;
+            }
+            _ => {}
+        }
     }
 
     /// Whether a packet can be of this run, by its time; one that cannot is counted and leaves no trace.
@@ -506,7 +559,7 @@ fn count(report: &mut Report, taken: Taken) {
         Taken::Double | Taken::WaitsAlready => report.duplicates += 1,
         Taken::Late => report.too_late += 1,
         Taken::Stray => report.stray += 1,
-        Taken::Implausible => report.implausible += 1,
+        Taken::Implausible | Taken::Ahead | Taken::Moved => report.implausible += 1,
         Taken::Misnumbered => report.misnumbered += 1,
     }
 }

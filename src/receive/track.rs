@@ -5,7 +5,8 @@
 //! vote with every state that goes on from it, and loses one with every state that does not, above all with
 //! every one that is in its place. It is followed when it has [`VOTES`] of [`PULSES`] pulses. So a few forged
 //! or late datagrams never lead away, many do not lead away for long, and a sender that begins again is found
-//! again after a bounded number of datagrams, whoever else sends.
+//! again after a bounded number of datagrams, whoever else sends. What has led ahead is taken again from the
+//! beginning, so that a gap costs no pulse that came whole.
 
 use crate::recording::header::Header;
 use crate::time::TimeTag;

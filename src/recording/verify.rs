@@ -83,8 +83,10 @@ pub struct Verdict {
     pub last: Option<u64>,
     /// Pulses that the run dropped in real time, and flagged.
     pub dropped: u64,
-    /// Pulses that the run was to have.
+    /// Pulses that the run was to have; 0 where that is not known.
     pub asked: u64,
+    /// Those of them that the recording lacks.
+    pub missing: u64,
     /// Bytes of per-pulse data that were read.
     pub bytes: u64,
     /// Faults in all.
@@ -160,6 +162,7 @@ pub fn verify(path: &Path) -> Result<Verdict, RecordingError> {
         last: None,
         dropped: 0,
         asked: 0,
+        missing: 0,
         bytes: 0,
         faults: 0,
         findings: Vec::new(),
@@ -185,6 +188,7 @@ pub fn verify(path: &Path) -> Result<Verdict, RecordingError> {
     let header = source.header();
     verdict.pulses = source.pulses() as u64;
     verdict.asked = header.pulses;
+    verdict.missing = verdict.asked.saturating_sub(verdict.pulses);
     let list: Vec<Column> =
         columns(header).into_iter().filter(|c| !c.may_be_missing() || source.has(c)).collect();
     for column in &list {
@@ -192,7 +196,7 @@ pub fn verify(path: &Path) -> Result<Verdict, RecordingError> {
         read_through(path, &source, column, &mut verdict);
     }
     order(path, &source, &list, &mut verdict);
-    if verdict.pulses < verdict.asked {
+    if verdict.missing > 0 {
         verdict.notes.push(format!("{} of the {} pulses of the run", verdict.pulses, verdict.asked));
     }
     if !source.has_checksums() {

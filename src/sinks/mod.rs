@@ -5,10 +5,7 @@
 //!
 //! ```
 //! use nereus::sinks::{Kind, Settings, preflight};
-//! let plain = |path: &str| Settings {
-//!     kind: Kind::Plain { path: path.into(), force: false },
-//!     queue_pulses: 64,
-//! };
+//! let plain = |path: &str| Settings::new(Kind::Plain { path: path.into(), force: false }, 64);
 //! // A folder that is there already, and one whose parent is missing.
 //! let faults = preflight(&[plain("src"), plain("no/such/folder/recording")]);
 //! assert_eq!(faults.len(), 2);
@@ -53,6 +50,25 @@ pub struct Settings {
     pub kind: Kind,
     /// Pulses that may wait for this sink before they are dropped (in real time) or hold up the run.
     pub queue_pulses: usize,
+    /// What becomes of the run when this sink fails.
+    pub on_failure: OnFailure,
+}
+
+impl Settings {
+    /// A sink without which the run ends.
+    pub fn new(kind: Kind, queue_pulses: usize) -> Self {
+        Self { kind, queue_pulses, on_failure: OnFailure::Stop }
+    }
+}
+
+/// What becomes of a run when one of its sinks fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum OnFailure {
+    /// It ends, and the other sinks close.
+    Stop,
+    /// It goes on for the other sinks, and fails at its end.
+    Continue,
 }
 
 /// Kinds of sinks.

@@ -61,7 +61,7 @@ pub fn redirect(sinks: &mut Vec<Settings>, out: &Path) -> Result<(), Redirection
                 Some(sink) => sink.kind = kind,
                 None => {
                     let queue_pulses = sinks.first().map_or(64, |sink| sink.queue_pulses);
-                    sinks.push(Settings { kind, queue_pulses });
+                    sinks.push(Settings::new(kind, queue_pulses));
                 }
             }
         }
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     fn redirected(kinds: Vec<Kind>, out: &str) -> Result<Vec<Kind>, RedirectionError> {
-        let of = |kind| Settings { kind, queue_pulses: 7 };
+        let of = |kind| Settings::new(kind, 7);
         let mut sinks: Vec<Settings> = kinds.into_iter().map(of).collect();
         redirect(&mut sinks, out.as_ref())?;
         assert!(sinks.iter().all(|sink| sink.queue_pulses == 7));

@@ -2,19 +2,23 @@
 //!
 //! In real time a full queue means that the pulse is missed *by that sink*: counted, and the next
 //! pulse that the sink gets carries `AFTER_GAP`. The others are not held up. At pace `fast` a full
-//! queue holds up the pacer, and through the main ring the generation: nothing is lost.
+//! queue holds up the pacer, and through the main ring the generation: nothing is lost. In real time the
+//! pacer asks for the same with [`FanOut::make_room`], for sinks that are to get every pulse.
+//!
+//! A sink that is gone ends the run, unless it may fail: then the others go on without it.
 //!
 //! The last outlet gets the slot itself in exchange for a free one of its own, the others a copy; with
 //! one sink nothing is copied. A [`View`] gets a copy before them, if it has room.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use crate::pulse::{Layout, Pulse, flags};
 
 use super::health::SinkHealth;
-use super::ring::{self, Consumer, Polled, Producer};
+use super::ring::{self, Consumer, NAP, Polled, Producer};
 use super::view::View;
 use super::{Pace, StreamError};
 
@@ -23,7 +27,17 @@ use super::{Pace, StreamError};
 pub struct Outlet {
     queue: Producer<Pulse>,
     gap: bool,
+    role: Role,
     health: Arc<SinkHealth>,
+}
+
+/// What a sink is to the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Role {
+    /// Whether it is to get every pulse: the pacer waits for it where its policy allows that.
+    pub lossless: bool,
+    /// Whether the run goes on without it when it fails.
+    pub may_fail: bool,
 }
 
 /// What a sink's thread reads from.
@@ -56,14 +70,14 @@ pub struct FanOut {
 ///
 /// # Errors
 /// A queue without slots.
-pub fn outlet(name: &str, slots: usize, layout: &Layout) -> Result<(Outlet, Feed), StreamError> {
+pub fn outlet(name: &str, slots: usize, role: Role, layout: &Layout) -> Result<(Outlet, Feed), StreamError> {
     if slots == 0 {
         return Err(StreamError::EmptyQueue { sink: name.to_owned() });
     }
     let (producer, consumer) = ring::ring((0..slots).map(|_| Pulse::new(layout)));
-    let health = Arc::new(SinkHealth::new(name, slots));
+    let health = Arc::new(SinkHealth::new(name, slots, role.lossless));
     Ok((
-        Outlet { queue: producer, gap: false, health: Arc::clone(&health) },
+        Outlet { queue: producer, gap: false, role, health: Arc::clone(&health) },
         Feed { queue: consumer, health },
     ))
 }
@@ -71,6 +85,11 @@ pub fn outlet(name: &str, slots: usize, layout: &Layout) -> Result<(Outlet, Feed
 impl Outlet {
     pub(crate) fn health(&self) -> Arc<SinkHealth> {
         Arc::clone(&self.health)
+    }
+
+    /// Whether a pulse has to wait until this sink has room for it.
+    fn is_short(&mut self) -> bool {
+        self.role.lossless && !self.queue.is_abandoned() && self.queue.try_reserve().is_none()
     }
 }
 
@@ -124,8 +143,24 @@ impl FanOut {
         Self { view, ..self }
     }
 
+    /// Waits until every sink that is to get all pulses has room for one, but not after `until`, nor once
+    /// `stop` is set. Returns whether it had to wait.
+    pub fn make_room(&mut self, until: Instant, stop: &AtomicBool) -> bool {
+        let mut waited = false;
+        while self.outlets.iter_mut().any(Outlet::is_short) {
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() || stop.load(Ordering::Acquire) {
+                break;
+            }
+            waited = true;
+            thread::sleep(left.min(NAP));
+        }
+        waited
+    }
+
     /// Hands a pulse to every sink; the slot that comes back is free (its content is of no use).
-    /// `None` when a sink is gone: it failed, or it has had enough; the run ends then.
+    /// `None` when a sink is gone that may not fail, or all are: they failed, or have had enough; the run
+    /// ends then.
     pub fn send(&mut self, mut pulse: Box<Pulse>) -> Option<Box<Pulse>> {
         // Sinks always empty their queues, so a stop need not cut this wait short.
         static NEVER: AtomicBool = AtomicBool::new(false);
@@ -133,15 +168,24 @@ impl FanOut {
             self.view = None;
         }
         let last = self.outlets.len().checked_sub(1);
+        let mut gone = last.is_some();
         for (k, outlet) in self.outlets.iter_mut().enumerate() {
             if outlet.queue.is_abandoned() {
-                return None;
+                if !outlet.role.may_fail {
+                    return None;
+                }
+                outlet.health.missed();
+                continue;
             }
+            gone = false;
             let slot = match self.pace {
                 Pace::Realtime => outlet.queue.try_reserve(),
-                Pace::Fast => Some(outlet.queue.reserve(1, &NEVER)?.first_mut()?),
+                Pace::Fast => outlet.queue.reserve(1, &NEVER).and_then(|slots| slots.first_mut()),
             };
             let Some(slot) = slot else {
+                if self.pace == Pace::Fast && !outlet.role.may_fail {
+                    return None;
+                }
                 outlet.gap = true;
                 outlet.health.missed();
                 continue;
@@ -157,6 +201,6 @@ impl FanOut {
             outlet.queue.commit(1);
             outlet.health.queue_level(outlet.queue.filled());
         }
-        Some(pulse)
+        (!gone).then_some(pulse)
     }
 }

@@ -23,6 +23,7 @@ pub struct Health {
     held_up: AtomicU64,
     dropped: AtomicU64,
     slipped_ns: AtomicU64,
+    stood_still_ns: AtomicU64,
     /// Sum over releases of the moves before them.
     moved_us: AtomicU64,
     made: AtomicU64,
@@ -46,6 +47,8 @@ pub struct Health {
 pub struct SinkHealth {
     name: String,
     slots: usize,
+    lossless: bool,
+    failed: AtomicBool,
     level: AtomicU64,
     written: AtomicU64,
     dropped: AtomicU64,
@@ -87,10 +90,17 @@ pub struct SinkSnapshot {
     pub name: String,
     /// Pulses that the sink took; of a recording that failed, those that can be read.
     pub written: u64,
-    /// Pulses that this sink missed because its queue was full.
+    /// Pulses that were released and that this sink missed: its queue was full, or it failed and the run went
+    /// on without it.
     pub dropped: u64,
     /// The most pulses that ever waited in its queue.
     pub queue_high_water: u64,
+    /// Whether it failed and the run went on without it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub failed: bool,
+    /// Whether it is to get every pulse.
+    #[serde(skip)]
+    pub lossless: bool,
 }
 
 /// All counters at an instant.
@@ -107,6 +117,10 @@ pub struct Snapshot {
     pub dropped: u64,
     /// By how much the schedule was moved (policy `slip`), seconds.
     pub slipped_s: f64,
+    /// For how long in all the machine, or this program, stood still, seconds.
+    pub stood_still_s: f64,
+    /// Pulses that were released and missed by a sink, summed over the sinks.
+    pub missed: u64,
     /// Mean over the released pulses of the moves before them, seconds.
     #[serde(skip)]
     pub mean_moved_s: f64,
@@ -201,6 +215,7 @@ impl Health {
             held_up: AtomicU64::new(0),
             dropped: AtomicU64::new(0),
             slipped_ns: AtomicU64::new(0),
+            stood_still_ns: AtomicU64::new(0),
             moved_us: AtomicU64::new(0),
             made: AtomicU64::new(0),
             busy_ns: AtomicU64::new(0),
@@ -261,6 +276,11 @@ impl Health {
 
     pub(crate) fn slip(&self, by: Duration) {
         self.slipped_ns.fetch_add(u64::try_from(by.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    pub(crate) fn stood_still(&self, for_so_long: Duration) {
+        let ns = u64::try_from(for_so_long.as_nanos()).unwrap_or(u64::MAX);
+        self.stood_still_ns.fetch_add(ns, Ordering::Relaxed);
     }
 
     pub(crate) fn made(&self, n: u64, busy: Duration) {
@@ -345,14 +365,17 @@ impl Health {
         });
         let rights = self.rights.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let low = self.ring_low_water.load(Ordering::Relaxed);
+        let released = self.released_pulses();
+        let sinks: Vec<SinkSnapshot> = self.sinks.iter().map(|sink| sink.snapshot(released)).collect();
         Snapshot {
-            pulses: self.released_pulses(),
+            pulses: released,
             late: self.late_pulses(),
             held_up: self.held_up.load(Ordering::Relaxed),
             dropped: self.dropped_pulses(),
             slipped_s: self.slipped_ns.load(Ordering::Relaxed) as f64 * 1e-9,
-            mean_moved_s: self.moved_us.load(Ordering::Relaxed) as f64 * 1e-6
-                / self.released_pulses().max(1) as f64,
+            stood_still_s: self.stood_still_ns.load(Ordering::Relaxed) as f64 * 1e-9,
+            missed: sinks.iter().map(|sink| sink.dropped).sum(),
+            mean_moved_s: self.moved_us.load(Ordering::Relaxed) as f64 * 1e-6 / released.max(1) as f64,
             lateness_us,
             extrapolated: self.extrapolated.load(Ordering::Relaxed),
             stale: self.stale.load(Ordering::Relaxed),
@@ -362,16 +385,18 @@ impl Health {
             rights,
             made: self.made_pulses(),
             generation_busy_s: self.busy_ns.load(Ordering::Relaxed) as f64 * 1e-9,
-            sinks: self.sinks.iter().map(|s| s.snapshot()).collect(),
+            sinks,
         }
     }
 }
 
 impl SinkHealth {
-    pub(crate) fn new(name: &str, slots: usize) -> Self {
+    pub(crate) fn new(name: &str, slots: usize, lossless: bool) -> Self {
         Self {
             name: name.to_owned(),
             slots,
+            lossless,
+            failed: AtomicBool::new(false),
             level: AtomicU64::new(0),
             written: AtomicU64::new(0),
             dropped: AtomicU64::new(0),
@@ -385,6 +410,11 @@ impl SinkHealth {
 
     pub(crate) fn wrote_in_all(&self, pulses: u64) {
         self.written.store(pulses, Ordering::Relaxed);
+    }
+
+    /// The run goes on without it.
+    pub(crate) fn failed(&self) {
+        self.failed.store(true, Ordering::Relaxed);
     }
 
     pub(crate) fn missed(&self) {
@@ -406,12 +436,21 @@ impl SinkHealth {
         }
     }
 
-    fn snapshot(&self) -> SinkSnapshot {
+    fn snapshot(&self, released: u64) -> SinkSnapshot {
+        let (written, failed) = (self.written.load(Ordering::Relaxed), self.failed.load(Ordering::Relaxed));
+        // What waited for it when it failed was neither written nor found its queue full.
+        let dropped = match failed {
+            true => released.saturating_sub(written),
+            false => self.dropped.load(Ordering::Relaxed),
+        };
+        let queue_high_water = self.high_water.load(Ordering::Relaxed);
         SinkSnapshot {
             name: self.name.clone(),
-            written: self.written.load(Ordering::Relaxed),
-            dropped: self.dropped.load(Ordering::Relaxed),
-            queue_high_water: self.high_water.load(Ordering::Relaxed),
+            written,
+            dropped,
+            queue_high_water,
+            failed,
+            lossless: self.lossless,
         }
     }
 }

@@ -21,6 +21,10 @@ pub mod view;
 #[doc(hidden)]
 pub mod fanout;
 #[doc(hidden)]
+pub mod shortage;
+#[doc(hidden)]
+pub mod judge;
+#[doc(hidden)]
 pub mod pacer;
 #[doc(hidden)]
 pub mod dispatcher;

@@ -16,13 +16,30 @@
 //! time. A pacer that wakes late itself finds the pulse in the ring; that is lateness and no underrun. It
 //! also holds back slots that generation needs for the pulses that come one ring later: `h` is the pacer's
 //! own worst lateness over the last two rings of releases, counted from `d(n)` or from when the ring was last
-//! seen empty, whichever is later. On an underrun the policy acts:
+//! seen empty, whichever is later. After them `h` shrinks by a twentieth of the time emitted, so that a
+//! generation which is 5 % faster than real time makes up for it.
 //!
-//! - `stop`: the run ends with [`PacerError::Underrun`].
-//! - `slip`: nothing is lost. When the pulse comes, all deadlines from it on move by its lateness; it
-//!   carries `LATE` and counts as late, with its lateness to the unmoved deadline. The sum of the moves is
-//!   counted.
-//! - `drop`: real time is kept. Every pulse that was not made in time is discarded when it comes; missing
+//! **Standstill**: the pacer slept [`STANDSTILL`] longer than it asked to: the machine, or this program, was
+//! stopped, and generation with it. Its length is counted, and added to `h`. (The monotonic clock stands
+//! still while a machine is suspended, and steps of the wall clock do not touch it: the stream goes on where
+//! it was.)
+//!
+//! What is **overdue** never leaves in a burst that the sinks' queues cannot hold: pulses more than
+//! [`BURST_PULSES`](super::judge::BURST_PULSES) intervals overdue leave half an interval apart, and a pulse
+//! that is late waits for the sinks that are to get every pulse ([`FanOut::make_room`]), up to `d(n) + h` and
+//! under `slip` as long as it takes.
+//!
+//! The policy says what becomes of pulses that are not made in time, and of those that the pacer releases too
+//! late:
+//!
+//! - `stop`: on an underrun the run ends with [`PacerError::Underrun`], or with [`PacerError::StoodStill`]
+//!   where it has not caught up with a standstill. What the pacer itself releases late is made up for.
+//! - `slip`: nothing is lost. All deadlines from a late pulse on move by its lateness, whatever made it late;
+//!   it carries `LATE` and counts as late, with its lateness to the unmoved deadline. So no two pulses leave
+//!   closer than their interval, but for the interval by which a pulse is not yet late. The sum of the moves
+//!   is counted. A sink that is full is waited for, on time or late.
+//! - `drop`: real time is kept. What the pacer finds more than [`STALE`] overdue is discarded, as if it had
+//!   not been made. Every pulse that was not made in time is discarded when it comes; missing
 //!   indices are counted as dropped, and the next pulse released carries `AFTER_GAP`. Generation learns the
 //!   first index still worth making ([`Worth`]): the one emitted now, so that the full latency is again in
 //!   hand; the pulses between are never made. Under a lasting overload pulses therefore come in runs of about
@@ -44,16 +61,18 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::Sender;
 use spin_sleep::{SpinSleeper, SpinStrategy};
-use thiserror::Error;
 
 use crate::pulse::{Pulse, flags};
 
 use super::fanout::FanOut;
 use super::health::Health;
+use super::judge::Judge;
 use super::rights;
 use super::ring::{Consumer, DOZE, NAP, Polled};
 use super::schedule::Schedule;
 use super::{Pace, Policy, Settings};
+
+pub use super::shortage::{InHand, PacerError};
 
 /// The last part of a wait, which is spun: what a plain sleep was seen to overshoot by (median 66 us).
 pub const SPIN_BUDGET: Duration = Duration::from_micros(200);
@@ -67,91 +86,17 @@ pub(super) fn may_run_ahead(mean_prf_hz: f64) -> bool {
     mean_prf_hz * LEAST_PRI_AHEAD.as_secs_f64() <= 1.0 + 1e-9
 }
 
+/// A sleep that lasts so much longer than asked is a standstill.
+pub const STANDSTILL: Duration = Duration::from_millis(100);
+
+/// What is longer overdue is no pulse of real time: policy `drop` discards it.
+pub const STALE: Duration = Duration::from_secs(1);
+
 /// A long wait looks at the stop flag this often.
 const SLICE: Duration = Duration::from_millis(50);
 
 /// Progress is reported this often.
 const STATUS_EVERY: Duration = Duration::from_millis(100);
-
-/// Why the pacer ended a run.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum PacerError {
-    /// Policy `stop`: a pulse was not made in time.
-    #[error(
-        "{stage} cannot keep up: {:.1} ms after its deadline pulse {index} is not made yet; {}. Allowed: {}, a lighter \
-         scene, policy = \"slip\" or \"drop\", or --pace fast",
-        late_by_s * 1e3, so_far(*made_hz, *needed_hz), latency.more()
-    )]
-    Underrun {
-        /// The stage that cannot keep up.
-        stage: &'static str,
-        /// The pulse that was missing.
-        index: u64,
-        /// How long after its deadline it was still missing, s.
-        late_by_s: f64,
-        /// Pulses made per second since the start.
-        made_hz: f64,
-        /// Pulses due per second.
-        needed_hz: f64,
-        /// What the latency holds.
-        latency: InHand,
-    },
-    /// Policy `drop`: every pulse of the run came too late.
-    #[error(
-        "not one pulse of {pulses} was released: policy = \"drop\" discards what is made too late, and all of them \
-         were. Allowed: {}, a lighter scene, policy = \"slip\", or --pace fast", latency.more()
-    )]
-    NothingReleased {
-        /// Pulses of the run.
-        pulses: u64,
-        /// What the latency holds.
-        latency: InHand,
-    },
-    /// Generation handed over a pulse that is not after the last one.
-    #[error("echo generation handed over pulse {index} where {expected} or a later one was due")]
-    Order {
-        /// The pulse that came.
-        index: u64,
-        /// The smallest index allowed.
-        expected: u64,
-    },
-}
-
-/// The latency, and what is made before the first pulse is there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InHand {
-    /// The latency, s.
-    pub latency_s: f64,
-    /// Emission time of the pulses that are made at once ([`Settings::batch_pulses`]), s.
-    pub batch_s: f64,
-}
-
-impl InHand {
-    /// The latency that helps.
-    fn more(&self) -> String {
-        let Self { latency_s, batch_s } = *self;
-        if latency_s >= batch_s {
-            return "more stream.latency_ms".to_owned();
-        }
-        // Not a millisecond more for the last bit of a quotient.
-        let enough_ms = (batch_s * 1e3 - 1e-6).ceil();
-        format!(
-            "stream.latency_ms = {enough_ms:.0} or more (it is {}; pulses are made in blocks, and a block for every \
-             thread is that long)",
-            (latency_s * 1e6).round() / 1e3
-        )
-    }
-}
-
-/// What was made since the start. Before there is a rate, nothing follows from it.
-fn so_far(made_hz: f64, needed_hz: f64) -> String {
-    if made_hz == 0.0 {
-        return "no other is, either".to_owned();
-    }
-    let factor = made_hz / needed_hz;
-    format!("{made_hz:.1} pulses/s made since the start, {needed_hz:.1} needed (factor {factor:.3})")
-}
 
 /// Progress of a running stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -210,37 +155,22 @@ enum Arrival {
     Ended,
 }
 
-/// What distinguishes a pulse that was made too late from a pacer that is late.
-struct Judge {
-    /// When the stream started.
-    start: Instant,
-    /// `start + latency`; moves under policy `slip`.
-    zero: Instant,
-    /// The last time that the ring was seen empty: whatever came since was made after it.
-    seen_empty: Option<Instant>,
-    /// The pacer's own worst lateness, and the last pulse that it may have held back.
-    held: Duration,
-    held_until: u64,
+/// What becomes of a pulse when its time has come.
+enum Awaited {
+    /// It leaves now.
+    Now(Release),
+    /// It is of no use to real time any more.
+    Stale,
 }
 
-impl Judge {
-    fn deadline(&self, schedule: &Schedule, index: u64) -> Instant {
-        Schedule::after(self.zero, schedule.offset(index))
-    }
-
-    /// The instant after which a pulse that is not in the ring was made too late.
-    fn limit(&self, schedule: &Schedule, index: u64) -> Instant {
-        let held = if index <= self.held_until { self.held } else { Duration::ZERO };
-        Schedule::after(self.deadline(schedule, index), schedule.pri(index).saturating_add(held))
-    }
-
-    /// Takes note of the pacer's own lateness at a release.
-    fn released(&mut self, index: u64, own: Duration, ring_slots: usize) {
-        if own >= self.held || index > self.held_until {
-            self.held = own;
-            self.held_until = index.saturating_add(2 * ring_slots as u64);
-        }
-    }
+/// How a pulse leaves.
+#[derive(Clone, Copy, Debug, Default)]
+struct Release {
+    /// None at pace `fast`.
+    lateness: Option<Duration>,
+    late: bool,
+    /// Late, though it was made in time.
+    held_up: bool,
 }
 
 impl Pacer {
@@ -263,7 +193,7 @@ impl Pacer {
             self.health.right(rights::stay_on(core));
         }
         let begin = Schedule::after(start, latency);
-        let mut judge = Judge { start, zero: begin, seen_empty: None, held: Duration::ZERO, held_until: 0 };
+        let mut judge = Judge::new(start, begin);
         let mut expected = self.schedule.first;
         let mut reported = Instant::now();
         let mut cut_short = false;
@@ -277,38 +207,29 @@ impl Pacer {
                 self.ring.give_back(pulse);
                 continue;
             }
+            self.health.ring_level(self.ring.filled() + 1);
+            let moved = judge.zero - begin;
+            let mut release = Release::default();
+            if self.settings.pace == Pace::Realtime {
+                match self.await_release(&mut judge, index, too_late, sleeper, stop) {
+                    Some(Awaited::Now(found)) => release = found,
+                    Some(Awaited::Stale) => {
+                        self.ring.give_back(pulse);
+                        continue;
+                    }
+                    None => {
+                        cut_short = true;
+                        break;
+                    }
+                }
+            }
             let gap = index - expected;
             if gap > 0 {
                 self.health.drop_pulses(gap);
                 pulse.flags |= flags::AFTER_GAP;
             }
-            self.health.ring_level(self.ring.filled() + 1);
-            let (mut released, mut was_late, moved) = (None, false, judge.zero - begin);
-            let mut held_up = false;
-            if self.settings.pace == Pace::Realtime {
-                let deadline = judge.deadline(&self.schedule, index);
-                if !sleep_until(deadline, sleeper, stop) {
-                    cut_short = true;
-                    break;
-                }
-                let now = Instant::now();
-                let lateness = now.saturating_duration_since(deadline);
-                let late = lateness > self.schedule.pri(index);
-                if late {
-                    pulse.flags |= flags::LATE;
-                    held_up = judge.seen_empty.is_none_or(|empty| empty <= deadline);
-                }
-                if !too_late {
-                    // What the pulse itself came late is not the pacer's.
-                    let since = judge.seen_empty.map_or(deadline, |empty| empty.max(deadline));
-                    let own = now.saturating_duration_since(since);
-                    judge.released(index, own, self.settings.ring_slots);
-                } else if self.settings.policy == Policy::Slip {
-                    judge.zero = Schedule::after(judge.zero, lateness);
-                    self.health.slip(lateness);
-                }
-                released = Some(lateness);
-                was_late = late;
+            if release.late {
+                pulse.flags |= flags::LATE;
             }
             expected = index + 1;
             self.health.navigated(&pulse);
@@ -316,8 +237,8 @@ impl Pacer {
                 cut_short = true;
                 break;
             };
-            self.health.release(released, was_late, moved);
-            if held_up {
+            self.health.release(release.lateness, release.late, moved);
+            if release.held_up {
                 self.health.hold_up();
             }
             self.ring.give_back(free);
@@ -338,6 +259,73 @@ impl Pacer {
             return Err(PacerError::NothingReleased { pulses: dropped, latency: self.in_hand() });
         }
         Ok(())
+    }
+
+    /// Waits until a pulse may leave; `None` once `stop` is set.
+    fn await_release(
+        &mut self,
+        judge: &mut Judge,
+        index: u64,
+        too_late: bool,
+        sleeper: SpinSleeper,
+        stop: &AtomicBool,
+    ) -> Option<Awaited> {
+        let (policy, ring_slots) = (self.settings.policy, self.settings.ring_slots);
+        let deadline = judge.deadline(&self.schedule, index);
+        let (asked, pri) = (Instant::now(), self.schedule.pri(index));
+        let due = judge.due(&self.schedule, index, asked);
+        if !sleep_until(due, sleeper, stop) {
+            return None;
+        }
+        let awake = Instant::now();
+        self.look_for_standstill(judge, index, due.max(asked), awake);
+        let overdue = awake.saturating_duration_since(deadline);
+        if policy == Policy::Drop && overdue > STALE {
+            self.skip_to_now(judge, awake);
+            return Some(Awaited::Stale);
+        }
+        if !too_late {
+            // What the pulse itself came late is not the pacer's.
+            let since = judge.seen_empty.map_or(deadline, |empty| empty.max(deadline));
+            judge.released(&self.schedule, index, awake.saturating_duration_since(since), ring_slots);
+        }
+        let patience = match policy {
+            Policy::Slip => Some(Schedule::after(awake, Duration::MAX)),
+            Policy::Stop | Policy::Drop => {
+                (overdue > pri).then(|| Schedule::after(deadline, judge.allowance(&self.schedule, index)))
+            }
+        };
+        let waited = patience.is_some_and(|until| self.fan_out.make_room(until, stop));
+        if waited && stop.load(Ordering::Acquire) {
+            return None;
+        }
+        let now = if waited { Instant::now() } else { awake };
+        let lateness = now.saturating_duration_since(deadline);
+        let late = lateness > pri;
+        if late && policy == Policy::Slip {
+            judge.zero = Schedule::after(judge.zero, lateness);
+            self.health.slip(lateness);
+        }
+        if !late {
+            judge.stood_still = Duration::ZERO;
+        }
+        judge.last = Some(now);
+        let in_time = judge.seen_empty.is_none_or(|empty| empty <= deadline);
+        Some(Awaited::Now(Release { lateness: Some(lateness), late, held_up: late && in_time && !waited }))
+    }
+
+    /// Takes note if a sleep that was to end at one instant ended much later.
+    fn look_for_standstill(&self, judge: &mut Judge, index: u64, asked: Instant, awake: Instant) {
+        let longer = awake.saturating_duration_since(asked);
+        if longer >= STANDSTILL {
+            self.health.stood_still(longer);
+            judge.stood_still(&self.schedule, index, longer, self.settings.ring_slots);
+        }
+    }
+
+    /// Policy `drop`: what is emitted now is the first that is worth making.
+    fn skip_to_now(&self, judge: &Judge, now: Instant) {
+        self.worth.raise(self.schedule.due_after(now.saturating_duration_since(judge.start)));
     }
 
     /// Waits for the next pulse; acts on an underrun while it does not come.
@@ -362,13 +350,14 @@ impl Pacer {
                 match self.settings.policy {
                     Policy::Stop => return Err(self.underrun(judge, now, expected)),
                     Policy::Slip => {}
-                    Policy::Drop => {
-                        let elapsed = now.saturating_duration_since(judge.start);
-                        self.worth.raise(self.schedule.due_after(elapsed));
-                    }
+                    Policy::Drop => self.skip_to_now(judge, now),
                 }
             }
-            self.ring.doze(self.until_next_poll(judge, now, expected));
+            let nap = self.until_next_poll(judge, now, expected);
+            self.ring.doze(nap);
+            if realtime {
+                self.look_for_standstill(judge, expected, now + nap.min(DOZE), Instant::now());
+            }
         }
     }
 
@@ -385,10 +374,18 @@ impl Pacer {
     fn underrun(&self, judge: &Judge, now: Instant, index: u64) -> PacerError {
         let deadline = judge.deadline(&self.schedule, index);
         let elapsed_s = now.saturating_duration_since(judge.start).as_secs_f64().max(1e-9);
+        let late_by_s = now.saturating_duration_since(deadline).as_secs_f64();
+        if !judge.stood_still.is_zero() {
+            return PacerError::StoodStill {
+                stood_still_s: judge.stood_still.as_secs_f64(),
+                index,
+                late_by_s,
+            };
+        }
         PacerError::Underrun {
             stage: "echo generation",
             index,
-            late_by_s: now.saturating_duration_since(deadline).as_secs_f64(),
+            late_by_s,
             made_hz: self.health.made_pulses() as f64 / elapsed_s,
             needed_hz: self.schedule.times.mean_prf_hz(),
             latency: self.in_hand(),
@@ -396,8 +393,7 @@ impl Pacer {
     }
 
     fn in_hand(&self) -> InHand {
-        let batch_s = self.settings.batch_pulses as f64 / self.schedule.times.mean_prf_hz();
-        InHand { latency_s: self.settings.latency_s, batch_s }
+        InHand::of(&self.settings, &self.schedule)
     }
 
     fn send_status(&self, expected: u64) {
@@ -428,150 +424,4 @@ fn sleep_until(deadline: Instant, sleeper: SpinSleeper, stop: &AtomicBool) -> bo
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-    use crate::pulse::{Layout, SampleFormat};
-    use crate::time::PulseTimes;
-    use crate::transport::ring::ring;
-
-    /// The least that a pulse can have.
-    pub const LAYOUT: Layout = Layout {
-        channels: 1,
-        samples: 1,
-        format: SampleFormat::Cf32,
-        platforms: 0,
-        antennas: 0,
-        targets: 0,
-        pairs: 0,
-        ships: 0,
-        clocks: 0,
-    };
-
-    /// A pacer whose ring already holds pulses with these indices, and its health.
-    fn filled(policy: Policy, indices: &[u64], count: u64) -> (Pacer, Arc<Health>) {
-        let (mut producer, ring) = ring(indices.iter().map(|_| Pulse::new(&LAYOUT)));
-        let never = AtomicBool::new(false);
-        for (slot, &index) in producer.reserve(indices.len(), &never).unwrap().iter_mut().zip(indices) {
-            slot.index = index;
-        }
-        producer.commit(indices.len());
-        let health = Arc::new(Health::new(Vec::new(), 0));
-        let pacer = Pacer {
-            ring,
-            fan_out: FanOut::new(Vec::new(), Pace::Realtime),
-            schedule: Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first: 0, count },
-            settings: Settings {
-                pace: Pace::Realtime,
-                policy,
-                latency_s: 0.0,
-                ring_slots: 8,
-                threads: 1,
-                ..Settings::default()
-            },
-            health: Arc::clone(&health),
-            worth: Worth::default(),
-            status: None,
-        };
-        (pacer, health)
-    }
-
-    #[test]
-    fn a_pacer_that_is_late_itself_is_no_underrun() {
-        for policy in [Policy::Stop, Policy::Slip, Policy::Drop] {
-            let (pacer, health) = filled(policy, &[0, 1, 2, 3], 4);
-            let start = Instant::now().checked_sub(Duration::from_millis(100)).unwrap();
-            pacer.run(start, &AtomicBool::new(false)).unwrap();
-            let shot = health.snapshot();
-            assert_eq!((shot.pulses, shot.late, shot.held_up, shot.dropped), (4, 4, 4, 0), "{policy:?}");
-            assert!(shot.slipped_s == 0.0 && shot.lateness_us.max >= 97_000.0, "{policy:?} {shot:?}");
-        }
-    }
-
-    /// Each batch comes less than an interval later than the one before: at last they are too late all the
-    /// same.
-    #[test]
-    fn a_generation_that_is_short_by_little_is_short() {
-        let (batches, batch) = (60, 10);
-        let (mut producer, ring) = ring((0..4 * batch).map(|_| Pulse::new(&LAYOUT)));
-        let (template, health) = filled(Policy::Drop, &[0], (batches * batch) as u64);
-        let pacer = Pacer { ring, ..template };
-        thread::scope(|scope| {
-            let start = Instant::now();
-            let pacing = scope.spawn(move || pacer.run(start, &AtomicBool::new(false)));
-            let never = AtomicBool::new(false);
-            for n in 0..batches {
-                for (slot, index) in producer.reserve(batch, &never).unwrap().iter_mut().zip(n * batch..) {
-                    slot.index = index as u64;
-                }
-                // A batch of 10 ms takes 10.5.
-                let due = start + Duration::from_micros(10_500) * n as u32;
-                thread::sleep(due.saturating_duration_since(Instant::now()));
-                producer.commit(batch);
-            }
-            drop(producer);
-            pacing.join().unwrap().unwrap();
-        });
-        let shot = health.snapshot();
-        assert!(shot.dropped > 0, "{shot:?}");
-    }
-
-    /// A batch that comes late is late from its first pulse to its last: nothing of it leaves in a burst.
-    #[test]
-    fn a_late_batch_is_discarded_whole() {
-        let (mut producer, ring) = ring((0..4).map(|_| Pulse::new(&LAYOUT)));
-        let (template, health) = filled(Policy::Drop, &[0], 4);
-        let pacer = Pacer { ring, ..template };
-        let ended = thread::scope(|scope| {
-            let pacing = scope.spawn(|| pacer.run(Instant::now(), &AtomicBool::new(false)));
-            let never = AtomicBool::new(false);
-            for (slot, index) in producer.reserve(4, &never).unwrap().iter_mut().zip(0..) {
-                slot.index = index;
-            }
-            thread::sleep(Duration::from_millis(50));
-            producer.commit(4);
-            drop(producer);
-            pacing.join().unwrap()
-        });
-        let shot = health.snapshot();
-        assert_eq!((shot.pulses, shot.late, shot.dropped), (0, 0, 4));
-        // Nor does a run end well that released nothing.
-        let Err(error @ PacerError::NothingReleased { pulses: 4, .. }) = ended else { panic!("{ended:?}") };
-        insta::assert_snapshot!(error, @r#"not one pulse of 4 was released: policy = "drop" discards what is made too late, and all of them were. Allowed: stream.latency_ms = 1 or more (it is 0; pulses are made in blocks, and a block for every thread is that long), a lighter scene, policy = "slip", or --pace fast"#);
-    }
-
-    #[test]
-    fn what_the_pacer_held_back_is_allowed_for_two_rings() {
-        let schedule = Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first: 0, count: 100 };
-        let start = Instant::now();
-        let mut judge = Judge { start, zero: start, seen_empty: None, held: Duration::ZERO, held_until: 0 };
-        judge.released(10, Duration::from_millis(300), 8);
-        judge.released(11, Duration::from_millis(299), 8);
-        let allowed = |index: u64| judge.limit(&schedule, index) - judge.deadline(&schedule, index);
-        assert_eq!(allowed(26), Duration::from_millis(301));
-        assert_eq!(allowed(27), Duration::from_millis(1));
-    }
-
-    #[test]
-    fn the_shortage_reads_as_it_should() {
-        let error = |index, made_hz, latency_s| PacerError::Underrun {
-            stage: "echo generation",
-            index,
-            late_by_s: 0.00512,
-            made_hz,
-            needed_hz: 222.0,
-            latency: InHand { latency_s, batch_s: 74.0 / 222.0 },
-        };
-        insta::assert_snapshot!(error(812, 111.0, 0.5), @r#"echo generation cannot keep up: 5.1 ms after its deadline pulse 812 is not made yet; 111.0 pulses/s made since the start, 222.0 needed (factor 0.500). Allowed: more stream.latency_ms, a lighter scene, policy = "slip" or "drop", or --pace fast"#);
-        insta::assert_snapshot!(error(0, 0.0, 0.0015), @r#"echo generation cannot keep up: 5.1 ms after its deadline pulse 0 is not made yet; no other is, either. Allowed: stream.latency_ms = 334 or more (it is 1.5; pulses are made in blocks, and a block for every thread is that long), a lighter scene, policy = "slip" or "drop", or --pace fast"#);
-    }
-
-    #[test]
-    fn skipped_indices_are_counted_and_pulses_out_of_order_refused() {
-        let (pacer, health) = filled(Policy::Drop, &[0, 3, 4], 5);
-        pacer.run(Instant::now(), &AtomicBool::new(false)).unwrap();
-        assert_eq!((health.released_pulses(), health.dropped_pulses()), (3, 2));
-        let (pacer, _) = filled(Policy::Drop, &[0, 2, 2], 5);
-        let refused = pacer.run(Instant::now(), &AtomicBool::new(false));
-        assert_eq!(refused, Err(PacerError::Order { index: 2, expected: 3 }));
-    }
-}
+pub(super) mod tests;

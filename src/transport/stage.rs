@@ -52,8 +52,8 @@ use thiserror::Error;
 
 use crate::pulse::{Layout, Pulse};
 
-use super::fanout::{FanOut, Feed, Outlet, outlet};
-use super::health::{Health, Snapshot};
+use super::fanout::{FanOut, Feed, Outlet, Role, outlet};
+use super::health::{Health, SinkHealth, Snapshot};
 use super::pacer::{Pacer, PacerError, Status, Worth};
 use super::rights;
 use super::ring::{Producer, ring};
@@ -65,6 +65,15 @@ use crate::transport::dispatcher::Dispatcher;
 /// What a sink's thread does with its feed.
 type SinkBody<'env, R, S> = Box<dyn FnOnce(Feed) -> Result<R, S> + Send + 'env>;
 
+/// A sink that is to be started.
+struct Waiting<'env, R, S> {
+    name: String,
+    role: Role,
+    outlet: Outlet,
+    feed: Feed,
+    body: SinkBody<'env, R, S>,
+}
+
 /// A stream that is being put together. `R` is what a sink's thread returns, `S` its error.
 pub struct Stream<'env, R, S> {
     settings: Settings,
@@ -73,7 +82,7 @@ pub struct Stream<'env, R, S> {
     stop: Arc<AtomicBool>,
     status: Option<Sender<Status>>,
     view: Option<View>,
-    sinks: Vec<(String, Outlet, Feed, SinkBody<'env, R, S>)>,
+    sinks: Vec<Waiting<'env, R, S>>,
 }
 
 /// Where generation gets slots and delivers pulses.
@@ -132,6 +141,27 @@ pub enum RunError<G, S> {
         /// Why.
         error: S,
     },
+    /// A sink failed, and the run went on to its end without it.
+    #[error("sink '{name}' failed and the run went on without it (on_failure = \"continue\"): {error}")]
+    Without {
+        /// Which.
+        name: String,
+        /// Why.
+        error: S,
+    },
+    /// A sink missed pulses, and the policy allows no loss.
+    #[error(
+        "sink '{name}' missed {missed} of {pulses} pulses: its queue was full. Allowed: a larger sink.queue_pulses, a \
+         faster output, policy = \"slip\", policy = \"drop\" (which allows losses), or --pace fast"
+    )]
+    Missed {
+        /// Which.
+        name: String,
+        /// Pulses that it missed.
+        missed: u64,
+        /// Pulses released.
+        pulses: u64,
+    },
     /// The stream could not be set up.
     #[error(transparent)]
     Stream(StreamError),
@@ -166,6 +196,8 @@ pub struct Outcome<R, G, S> {
     pub summary: Summary,
     /// What the sinks that ended well returned, by name.
     pub reports: Vec<(String, R)>,
+    /// Sinks that failed while the run went on without them, and why.
+    pub failed: Vec<(String, S)>,
     /// Done, or the first error.
     pub result: Result<(), RunError<G, S>>,
 }
@@ -270,7 +302,8 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
         self.view = Some(view);
     }
 
-    /// Adds a sink: `body` runs in a thread of its own and reads the feed until it has ended.
+    /// Adds a sink: `body` runs in a thread of its own and reads the feed until it has ended. In real time it
+    /// misses the pulses for which its queue has no room, and the run ends when it fails.
     ///
     /// # Errors
     /// A queue without slots.
@@ -280,8 +313,22 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
         queue_pulses: usize,
         body: impl FnOnce(Feed) -> Result<R, S> + Send + 'env,
     ) -> Result<(), StreamError> {
-        let (outlet, feed) = outlet(name, queue_pulses, &self.layout)?;
-        self.sinks.push((name.to_owned(), outlet, feed, Box::new(body)));
+        self.sink_as(name, queue_pulses, Role::default(), body)
+    }
+
+    /// Adds a sink in a role.
+    ///
+    /// # Errors
+    /// A queue without slots.
+    pub fn sink_as(
+        &mut self,
+        name: &str,
+        queue_pulses: usize,
+        role: Role,
+        body: impl FnOnce(Feed) -> Result<R, S> + Send + 'env,
+    ) -> Result<(), StreamError> {
+        let (outlet, feed) = outlet(name, queue_pulses, role, &self.layout)?;
+        self.sinks.push(Waiting { name: name.to_owned(), role, outlet, feed, body: Box::new(body) });
         Ok(())
     }
 
@@ -292,20 +339,23 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
     ) -> Outcome<R, G, S> {
         let Self { settings, schedule, layout, stop, status, view, sinks } = self;
         let (producer, consumer) = ring((0..settings.ring_slots).map(|_| Pulse::new(&layout)));
-        let (outlets, bodies): (Vec<_>, Vec<_>) =
-            sinks.into_iter().map(|(name, outlet, feed, body)| (outlet, (name, feed, body))).unzip();
+        let (outlets, bodies): (Vec<_>, Vec<_>) = sinks
+            .into_iter()
+            .map(|Waiting { name, role, outlet, feed, body }| {
+                let counts = outlet.health();
+                (outlet, (name, role, counts, feed, body))
+            })
+            .unzip();
         let health = Arc::new(Health::new(outlets.iter().map(Outlet::health).collect(), settings.ring_slots));
         if let Some(view) = &view {
             view.open(&health);
         }
         let worth = Worth::default();
-        let first_error: Mutex<Option<RunError<G, S>>> = Mutex::new(None);
-        let fail = |error| {
-            first_error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-        };
+        let ended = Ended::default();
+        let fail = |error| ended.fail(error);
         if settings.ring_slots == 0 {
             fail(RunError::Stream(StreamError::EmptyRing));
-            return outcome(&health, &schedule, &settings, &stop, 0.0, Vec::new(), first_error);
+            return outcome(&health, &schedule, &settings, &stop, 0.0, Vec::new(), ended);
         }
         let mut source = Source {
             ring: producer,
@@ -335,13 +385,14 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
                 fail(RunError::Stream(StreamError::Thread { thread: thread.to_owned(), kind: error.kind() }));
                 false
             };
-            for (name, feed, body) in bodies {
-                let (barrier, fail) = (&barrier, &fail);
+            for (name, role, counts, feed, body) in bodies {
+                let (barrier, ended) = (&barrier, &ended);
                 let label = name.clone();
                 let thread =
                     thread::Builder::new().name(format!("sink {name}")).spawn_scoped(scope, move || {
                         barrier.arrive()?;
-                        body(feed).map_err(|error| fail(RunError::Sink { name: label, error })).ok()
+                        let report = body(feed);
+                        report.map_err(|error| ended.sink_failed(label, role, &counts, error)).ok()
                     });
                 match thread {
                     Ok(thread) => sink_threads.push((name, thread)),
@@ -379,7 +430,35 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
             reports = join([("generation", generation), ("pacer", pacer_thread)], sink_threads, fail);
             elapsed_s = start.elapsed().as_secs_f64();
         });
-        outcome(&health, &schedule, &settings, &stop, elapsed_s, reports, first_error)
+        outcome(&health, &schedule, &settings, &stop, elapsed_s, reports, ended)
+    }
+}
+
+/// What went wrong.
+struct Ended<G, S> {
+    /// The error of the run.
+    first: Mutex<Option<RunError<G, S>>>,
+    /// Sinks without which it went on.
+    failed: Mutex<Vec<(String, S)>>,
+}
+
+impl<G, S> Default for Ended<G, S> {
+    fn default() -> Self {
+        Self { first: Mutex::default(), failed: Mutex::default() }
+    }
+}
+
+impl<G, S> Ended<G, S> {
+    fn fail(&self, error: RunError<G, S>) {
+        self.first.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+
+    fn sink_failed(&self, name: String, role: Role, counts: &SinkHealth, error: S) {
+        if !role.may_fail {
+            return self.fail(RunError::Sink { name, error });
+        }
+        counts.failed();
+        self.failed.lock().unwrap_or_else(PoisonError::into_inner).push((name, error));
     }
 }
 
@@ -412,11 +491,11 @@ fn outcome<R, G, S>(
     stop: &AtomicBool,
     elapsed_s: f64,
     reports: Vec<(String, R)>,
-    first_error: Mutex<Option<RunError<G, S>>>,
+    ended: Ended<G, S>,
 ) -> Outcome<R, G, S> {
     let shot = health.snapshot();
     let made_s = shot.made as f64 / schedule.times.mean_prf_hz();
-    let error = first_error.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let error = ended.first.into_inner().unwrap_or_else(PoisonError::into_inner);
     Outcome {
         summary: Summary {
             elapsed_s,
@@ -431,6 +510,7 @@ fn outcome<R, G, S>(
             health: shot,
         },
         reports,
+        failed: ended.failed.into_inner().unwrap_or_else(PoisonError::into_inner),
         result: error.map_or(Ok(()), Err),
     }
 }

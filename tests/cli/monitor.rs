@@ -335,6 +335,30 @@ fn hostile_clients_do_no_harm() {
     assert_eq!(report["changes"].as_array().map(Vec::len), Some(0));
 }
 
+/// A message of empty frames never becomes long, and its end need not come: the connection ends instead.
+#[test]
+fn a_message_without_end_ends_its_connection() {
+    let shown = shown(&[]);
+    let mut browser = shown.browser();
+    browser.fragment(1).unwrap();
+    // Far more than the system holds of what nobody reads.
+    let begun = Instant::now();
+    let taken = (0..4_000_000).take_while(|_| browser.fragment(0).is_ok()).count();
+    println!("{taken} frames taken in {:?}", begun.elapsed());
+    assert!(taken < 4_000_000);
+    // One whose messages end may go on for as long as it likes.
+    let mut browser = shown.browser();
+    for channel in (0..3).cycle().take(30) {
+        browser.fragment(1).unwrap();
+        (0..300).for_each(|_| browser.fragment(0).unwrap());
+        let rest = format!(r#"{{"channel":{channel}}}"#);
+        browser.frame(0, rest.len() as u64, rest.as_bytes()).unwrap();
+        thread::sleep(Duration::from_millis(60));
+    }
+    browser.json("status");
+    shown.end();
+}
+
 /// More browsers than are allowed get an error.
 #[test]
 fn no_more_browsers_than_there_may_be() {

@@ -216,6 +216,11 @@ impl Browser {
         self.stream.write_all(&bytes)
     }
 
+    /// Sends an empty frame that is not the last of its message: the first of a text, or one that goes on.
+    pub fn fragment(&mut self, opcode: u8) -> io::Result<()> {
+        self.stream.write_all(&[opcode, 0x80, 0, 0, 0, 0])
+    }
+
     pub fn send(&mut self, text: &str) {
         self.frame(1, text.len() as u64, text.as_bytes()).unwrap();
     }

@@ -136,6 +136,28 @@ fn a_latency_below_a_block_is_refused_with_one_that_is_allowed() {
     assert!(json(&ended.stdout)["error"].as_str().unwrap().contains("pulse 0"));
 }
 
+/// Before: 13 of 5,000 pulses were released, and nothing said why.
+#[test]
+fn a_latency_that_drops_pulses_is_named() {
+    let ended = short_of_latency("drop", &["--duration-s", "0.3"]);
+    // Nothing else is wrong with it, however few were in time.
+    let summary = json(&ended.stdout);
+    assert!(summary["dropped"].as_u64().unwrap() > 0, "{summary}");
+    assert!(ended.stderr.contains(" dropped: stream.latency_ms = 15 or more (it is 1;"), "{}", ended.stderr);
+    let folder = tempfile::tempdir().unwrap();
+    let sea = package().join("configs/sea.toml").display().to_string();
+    let check = |latency: &str| {
+        let set = ["scene.patch_size_m=[128, 128]", "radar.prf_hz=5000", "stream.pace=realtime", latency];
+        let more = ["stream.threads=2", "fidelity.node_pulses=12", "sink=[]"];
+        let set = set.into_iter().chain(more).flat_map(|set| ["--set", set]);
+        nereus(folder.path(), &["check", &sea].into_iter().chain(set).collect::<Vec<_>>()).stderr
+    };
+    let warned = check("stream.latency_ms=1");
+    assert!(warned.contains("come too late in real time: those that are made at once take"), "{warned}");
+    assert!(warned.contains("ms on this machine; stream.latency_ms = 15 or more (it is 1;"), "{warned}");
+    assert!(!check("stream.latency_ms=15").contains("stream.latency_ms"));
+}
+
 #[test]
 fn a_run_that_releases_nothing_has_failed() {
     // One block, and it is late as a whole.
@@ -197,14 +219,24 @@ fn a_name_that_says_another_format_is_warned_of() {
 #[cfg(unix)]
 #[test]
 fn signals_close_the_recording() {
-    ["-INT", "-TERM"].into_iter().for_each(closed_by);
+    ["-INT", "-TERM"].into_iter().for_each(|signal| closed_by(signal, 1));
+}
+
+/// Before: the second signal ended the program while its files were open.
+#[cfg(unix)]
+#[test]
+fn two_signals_at_once_are_one() {
+    closed_by("-INT", 2);
+    closed_by("-INT", 5);
 }
 
 #[cfg(unix)]
-fn closed_by(signal: &str) {
+fn closed_by(signal: &str, times: usize) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("stopped.plain");
-    let run = ["run", &calibration(), "--set", "sink.0.kind=\"plain\"", "--out", "stopped.plain"];
+    let set = ["--set", "sink.0.kind=\"plain\"", "--set", "stream.policy=slip"];
+    let config = calibration();
+    let run = [&["run", &config, "--out", "stopped.plain"], &set[..]].concat();
     let mut child = started(folder.path(), &run);
     let begun = Instant::now();
     let index = out.join("pulse/index.bin");
@@ -212,14 +244,23 @@ fn closed_by(signal: &str) {
         assert!(begun.elapsed() < Duration::from_secs(20), "no pulse came");
         std::thread::sleep(Duration::from_millis(20));
     }
-    let killed = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
-    assert!(killed.success());
+    let pause = format!("kill {signal} {}; sleep 0.003;", child.id());
+    Command::new("sh").args(["-c", &pause.repeat(times)]).status().unwrap();
     let status = child.wait().unwrap();
     assert!(status.success(), "{status}");
     assert!(begun.elapsed() < Duration::from_secs(20));
     let pulses = fs::metadata(&index).unwrap().len() / 8;
     assert!(pulses > 0 && pulses < 2220, "{pulses}");
     assert!(out.join("meta.json").exists());
+    let verified = nereus(folder.path(), &["verify", "stopped.plain"]);
+    assert_eq!(verified.code, 0, "{}", verified.stdout);
+    // Whole as far as it goes, and no more.
+    let verified = nereus(folder.path(), &["verify", "stopped.plain", "--complete", "--json"]);
+    assert_eq!(verified.code, 1, "{}", verified.stdout);
+    let missing = 2220 - pulses;
+    let said = format!("stopped.plain: not complete: {missing} of the 2220 pulses of the run are missing");
+    assert!(verified.stderr.contains(&said), "{}", verified.stderr);
+    assert_eq!(json(&verified.stdout)["missing"], missing);
 }
 
 #[cfg(feature = "hdf5")]

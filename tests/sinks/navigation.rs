@@ -118,7 +118,7 @@ fn outputs_are_looked_at_first() {
     let folder = tempfile::tempdir().unwrap();
     let there = folder.path().join("there");
     std::fs::write(&there, "x").unwrap();
-    let sink = |device: &str| Settings { kind: Kind::Nav(settings(device, 5.0, 0.0)), queue_pulses: 64 };
+    let sink = |device: &str| Settings::new(Kind::Nav(settings(device, 5.0, 0.0)), 64);
     let faults = preflight(&[
         sink(&format!("file:{}", there.display())),
         sink("file:no/such/folder/x"),

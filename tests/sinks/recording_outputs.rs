@@ -10,7 +10,7 @@ use nereus::sinks::{Kind, Settings, preflight};
 use crate::recording_fixture::header;
 
 fn plain(path: PathBuf) -> Settings {
-    Settings { kind: Kind::Plain { path, force: false }, queue_pulses: 8 }
+    Settings::new(Kind::Plain { path, force: false }, 8)
 }
 
 #[test]
@@ -25,7 +25,7 @@ fn every_fault_is_reported_before_anything_is_made() {
         plain(twice.clone()),
         plain(twice.clone()),
         plain(lost),
-        Settings { kind: Kind::Null, queue_pulses: 8 },
+        Settings::new(Kind::Null, 8),
     ]);
     assert!(
         matches!(
@@ -114,7 +114,7 @@ fn nothing_but_recordings_is_overwritten_and_each_output_is_one() {
 #[test]
 fn a_build_without_hdf5_refuses_it() {
     let kind = Kind::Hdf5 { path: "x.h5".into(), segment_s: None, force: false };
-    let faults = preflight(&[Settings { kind, queue_pulses: 8 }]);
+    let faults = preflight(&[Settings::new(kind, 8)]);
     assert!(matches!(faults.as_slice(), [SinkError::NoHdf5 { .. }]));
 }
 

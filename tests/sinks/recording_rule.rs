@@ -111,7 +111,7 @@ fn a_file_of_messages_replaces_only_one_of_its_kind() {
             latency_s: 0.0,
             force,
         };
-        preflight(&[Settings { kind: Kind::Nav(settings), queue_pulses: 1 }])
+        preflight(&[Settings::new(Kind::Nav(settings), 1)])
     };
     fs::write(&path, "a thesis").unwrap();
     assert!(matches!(look(true)[..], [SinkError::File(FileFault::Foreign { .. })]));

@@ -162,7 +162,7 @@ fn a_service_has_one_publisher() {
     );
     let fault = ShmSink::open(&settings(&service, 8), &header).unwrap_err();
     assert_eq!(fault.to_string(), expected);
-    let kind = |name: &str| sinks::Settings { kind: Kind::Shm(settings(name, 8)), queue_pulses: 4 };
+    let kind = |name: &str| sinks::Settings::new(Kind::Shm(settings(name, 8)), 4);
     let faults: Vec<String> = sinks::preflight(&[kind(&service)]).iter().map(ToString::to_string).collect();
     assert_eq!(faults, [expected]);
     sink.finish().unwrap();

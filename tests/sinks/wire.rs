@@ -304,9 +304,9 @@ fn contexts_come_first_and_once_a_second() {
 
 #[test]
 fn outputs_that_cannot_be_sent_to_are_refused() {
-    let kind = |address: &str| sinks::Settings {
-        kind: Kind::Vita49(Settings { address: address.to_owned(), ..Settings::default() }),
-        queue_pulses: 8,
+    let kind = |address: &str| {
+        let settings = Settings { address: address.to_owned(), ..Settings::default() };
+        sinks::Settings::new(Kind::Vita49(settings), 8)
     };
     let faults = sinks::preflight(&[kind("127.0.0.1:4991"), kind("127.0.0.1:4991")]);
     assert!(faults.iter().any(|f| f.to_string().contains("two sinks send there")), "{faults:?}");

@@ -190,10 +190,15 @@ pub fn later(state: &[u8], by_s: f64) -> Vec<u8> {
 
 /// The datagrams of pulses whose windows open 30 us after the emission.
 pub fn near(header: &Header, count: u64) -> Vec<Vec<u8>> {
+    sent(header, 0..count)
+}
+
+/// The same of some pulses of a run.
+fn sent(header: &Header, pulses: impl IntoIterator<Item = u64>) -> Vec<Vec<u8>> {
     let (socket, mut sink) = caught(header, 1500);
     socket.set_nonblocking(true).unwrap();
     let (mut all, mut buffer) = (Vec::new(), vec![0; 1 << 16]);
-    for n in 0..count {
+    for n in pulses {
         sink.write(&Pulse { window_start_s: 30e-6, ..pulse(header, n) }).unwrap();
         while let Ok(length) = socket.recv(&mut buffer) {
             all.push(buffer[..length].to_vec());
@@ -218,6 +223,29 @@ fn the_same_run_again_is_followed_over_several_channels() {
     let (indices, report) = received(Receiver::following(), all[..cut].iter().chain(&all));
     assert_eq!((report.restarts, *indices.last().unwrap()), (1, 99));
     assert!(indices.len() >= 130, "{}", indices.len());
+}
+
+/// Before: the first whole pulses after each gap of more than a second were evidence that the stream was
+/// there, and were lost for it.
+#[test]
+fn a_gap_costs_no_pulse_that_came_whole() {
+    let long = (1.5 * PRF_HZ).ceil() as u64;
+    for (format, samples) in [(SampleFormat::Ci16, 50), (SampleFormat::Cf32, 900)] {
+        let mut header = run(format);
+        (header.layout.samples, header.pulses) = (samples, 100_000_000);
+        // Gaps of 1.5 s, of 15 s and of 2.5 hours.
+        let starts = [0, long + 40, 12 * long, 6000 * long];
+        let pulses: Vec<u64> = starts.iter().flat_map(|start| *start..start + 40).collect();
+        let all = sent(&header, pulses.iter().copied());
+        let (indices, report) = received(Receiver::new(), &all);
+        assert_eq!(indices, pulses, "{report:?}");
+        assert_eq!((report.pulses, report.incomplete, report.restarts), (160, 0, 0), "{report:?}");
+        let (first, last) = (pulses[0], pulses[159]);
+        assert_eq!(report.missing.pulses_by_index, last - first + 1 - 160, "{report:?}");
+        // Nothing of it is called anybody else's, or out of order.
+        assert_eq!((report.implausible, report.stray, report.too_late), (0, 0, 0), "{report:?}");
+        assert_eq!((report.overtaken, report.duplicates, report.backwards), (0, 0, 0), "{report:?}");
+    }
 }
 
 /// Before: pulses 50 minutes ahead were opened, and every true one after them was too late.

@@ -266,7 +266,7 @@ fn ports_that_others_have_are_reported() {
     if cfg!(target_os = "linux") {
         assert_eq!(fault.to_string(), expected);
     }
-    let kind = |settings| sinks::Settings { kind: Kind::Zmq(settings), queue_pulses: 4 };
+    let kind = |settings| sinks::Settings::new(Kind::Zmq(settings), 4);
     let faults = sinks::preflight(&[kind(settings(&address, 1))]);
     assert_eq!((faults.len(), faults[0].to_string()), (1, fault.to_string()));
     assert!(faults[0].is_wrong_input());

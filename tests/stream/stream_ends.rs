@@ -4,7 +4,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use nereus::time::PulseTimes;
-use nereus::transport::fanout::Fed;
+use nereus::transport::fanout::{Fed, Feed, Role};
 use nereus::transport::pacer::Status;
 use nereus::transport::schedule::Schedule;
 use nereus::transport::stage::{RunError, Stream};
@@ -41,6 +41,39 @@ fn a_failing_sink_ends_the_run_and_the_others_close() {
         );
         assert!(seen.len() >= 50 && outcome.summary.health.pulses <= seen.len() as u64 + 1);
     }
+}
+
+/// Before: any sink that failed ended the run for all.
+#[test]
+fn a_run_goes_on_without_a_sink_that_may_fail() {
+    for pace in [Pace::Fast, Pace::Realtime] {
+        let mut run = stream(pace, Policy::Stop, 0.2, 0, 400);
+        let may_fail = Role { lossless: true, may_fail: true };
+        let fail = |mut feed: Feed| {
+            for _ in 0..50 {
+                feed.next(Duration::from_secs(1), |_| Ok::<_, String>(()))?;
+            }
+            Err("no space left".to_owned())
+        };
+        run.sink_as("broken", 64, may_fail, fail).unwrap();
+        run.sink("whole", 512, |feed| remember(feed, NONE)).unwrap();
+        let outcome = run.run(|source| generate(source, 0, 400, 8, NONE));
+        outcome.result.unwrap();
+        assert_eq!(outcome.failed, [("broken".to_owned(), "no space left".to_owned())]);
+        let (name, seen) = &outcome.reports[0];
+        assert_eq!((name.as_str(), seen.len()), ("whole", 400));
+        // Every pulse is accounted for at each sink.
+        let health = &outcome.summary.health;
+        let of = |k: usize| (health.sinks[k].written, health.sinks[k].dropped, health.sinks[k].failed);
+        assert_eq!((of(0), of(1)), ((50, 350, true), (400, 0, false)));
+        assert_eq!((health.pulses, health.missed), (400, 350));
+    }
+    // Nobody is left.
+    let mut run = stream(Pace::Fast, Policy::Stop, 0.0, 0, LONG);
+    run.sink_as("broken", 4, Role { lossless: true, may_fail: true }, |_| Err("gone".to_owned())).unwrap();
+    let outcome = run.run(|source| generate(source, 0, LONG, 8, NONE));
+    assert!(outcome.result.is_ok() && outcome.summary.health.pulses < LONG);
+    assert_eq!(outcome.failed.len(), 1);
 }
 
 #[test]

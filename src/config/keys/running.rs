@@ -16,7 +16,7 @@ tables! {
     }
     stream "[stream]" "How pulses are released." {
         PACE "pace", Choice(&["realtime", "fast"]), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";
-        POLICY "policy", Choice(&["stop", "slip", "drop"]), Word("stop"), "When generation cannot keep up: end with an error, stretch time, or drop pulses.";
+        POLICY "policy", Choice(&["stop", "slip", "drop"]), Word("stop"), "When pulses are overdue, because generation cannot keep up or the machine stood still: end with an error, stretch time, or drop pulses (docs/running.md).";
         LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), Means("500; with live navigation what its interpolation needs at the rate of its fixes, at least 500"), "Release minus emission time: how far ahead pulses are made.";
         PACER_PRIORITY "pacer_priority", Choice(&["realtime", "normal"]), Word("realtime"), "Whether the thread that releases pulses runs at real-time priority (SCHED_FIFO), where the system allows that and there are at most 1000 pulses/s; `nereus run` reports it, or why not.";
         PACER_CORE "pacer_core", count(0, 1023), Means("any"), "The core on which the thread that releases pulses asks to stay.";
@@ -44,5 +44,6 @@ tables! {
         RATE_HZ "rate_hz", above("Hz", 0.0, 1000.0), default(5.0), "nav: messages per second, at most one per pulse.";
         LATENCY_S "latency_s", number("s", 0.0, 10.0), default(0.0), "nav: how much later than its emission time a message leaves, in emission time.";
         QUEUE_PULSES "queue_pulses", count(1, 1 << 20), Means("two seconds of pulses, at least 64, at most 65536 or 256 MiB"), "Pulses that may wait for this sink.";
+        ON_FAILURE "on_failure", Choice(&["stop", "continue"]), Word("stop"), "When this sink fails (a full disk): end the run, or go on for the other sinks and fail at its end (docs/running.md).";
     }
 }

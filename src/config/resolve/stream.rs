@@ -9,9 +9,9 @@ use crate::config::section::Section;
 use crate::echo::synth::doppler::Doppler;
 use crate::echo::{Asked, Fidelity};
 use crate::scene::Radar;
-use crate::sinks;
 use crate::sinks::vita49::Profile;
 use crate::sinks::zmq::Messages;
+use crate::sinks::{self, OnFailure};
 use crate::transport::{self, Pace, Policy};
 
 /// Memory of the ring between generation and release.
@@ -158,10 +158,7 @@ pub(super) fn sinks(
     let sections = root.sections(&keys::root::SINK);
     if !root.has(&keys::root::SINK) || sections.is_empty() {
         root.reader().warn(Warning::NoSink);
-        return Some(vec![sinks::Settings {
-            kind: sinks::Kind::Null,
-            queue_pulses: usize::try_from(defaults?.queue).ok()?,
-        }]);
+        return Some(vec![sinks::Settings::new(sinks::Kind::Null, usize::try_from(defaults?.queue).ok()?)]);
     }
     let mut taken = Vec::new();
     let sinks: Vec<Option<sinks::Settings>> =
@@ -186,7 +183,9 @@ fn sink(
     defaults: Option<Defaults>,
     taken: &mut Vec<PathBuf>,
 ) -> Option<sinks::Settings> {
-    use keys::sink::{ADDRESS, BIND, KIND, MTU_BYTES, PATH, PROFILE, QUEUE_PULSES as QUEUE, SEGMENT_S};
+    use keys::sink::{
+        ADDRESS, BIND, KIND, MTU_BYTES, ON_FAILURE, PATH, PROFILE, QUEUE_PULSES as QUEUE, SEGMENT_S,
+    };
     let kind = match section.choice(&KIND) {
         Some("hdf5") => {
             let has_segments = section.has(&SEGMENT_S);
@@ -215,8 +214,13 @@ fn sink(
     };
     let asked_queue = section.count(&QUEUE);
     let queue = if section.has(&QUEUE) { asked_queue } else { defaults.map(|of| of.queue) };
+    let on_failure = section.choice(&ON_FAILURE).map(|word| match word {
+        "continue" => OnFailure::Continue,
+        _ => OnFailure::Stop,
+    });
     section.finish();
-    return Some(sinks::Settings { kind: kind?, queue_pulses: usize::try_from(queue?).ok()? });
+    let queue_pulses = usize::try_from(queue?).ok()?;
+    return Some(sinks::Settings { kind: kind?, queue_pulses, on_failure: on_failure? });
 
     fn output(section: &Section<'_>, taken: &mut Vec<PathBuf>) -> Option<PathBuf> {
         let path = section.output(&PATH)?;
