@@ -13,18 +13,18 @@
 //! | `rho` | share of the reflected field that waves leave coherent ([`roughness`](super::roughness)) | |
 //! | `g` | amplitude that the facet returns of the reflected wave, over that of the straight one | |
 //!
-//! Near grazing a facet returns an amplitude as the cosine of its local angle, `s + tan psi` for its slope `s`
-//! towards the antenna, and `s - tan psi` from below: `g` is the ratio of both (none below 0), averaged over
-//! the tilts within the facet by the rule of [`two_scale`](super::two_scale). So level water has `F = 1`: its
-//! own reflection is in its scattering already.
+//! Near grazing a facet returns an amplitude as the cosine of its local angle, `s + tan psi` for its slope
+//! `s` towards the antenna, and `s - tan psi` from below: `g` is the ratio of both (none below 0), averaged
+//! over the tilts within the facet by the rule of [`two_scale`](super::two_scale). So smooth level water has
+//! `F = 1`: its own reflection is in its scattering already.
 //!
-//! Over Gaussian heights of the deviation `h`, `F^2` tends to `(2 k h sin psi)^2` as the angle falls, Katzin's
-//! critical angle (Proc. IRE 45 (1957) 44): both ways together the echo falls as its fourth power. With heights
-//! of `2.5 h` from crest to trough that is the interference factor of the Georgia Tech model (Horst, Dyer and
-//! Tuley 1978) less 2 dB one-way at most (as recalled).
+//! Over Gaussian heights of the deviation `h`, `F^2` tends to `(2 k h sin psi)^2` as the angle falls,
+//! Katzin's critical angle (Proc. IRE 45 (1957) 44): both ways together the echo falls as its fourth power.
+//! With heights of `2.5 h` from crest to trough that is the interference factor of the Georgia Tech model
+//! (Horst, Dyer and Tuley 1978) less 2 dB one-way at most (as recalled).
 //!
-//! Limits: a coefficient of -1, that of both polarisations at grazing (V in X band: -0.95 at 0.2 degrees, -0.75
-//! at 1 degree); the phase is left out; standard atmosphere: a duct fills what interference takes away.
+//! Limits: a coefficient of -1, that of both polarisations at grazing (V in X band: -0.95 at 0.2 degrees,
+//! -0.75 at 1 degree); the phase is left out; standard atmosphere: a duct fills what interference takes away.
 //!
 //! ```
 //! use nereus::scattering::two_rays::TwoRays;
@@ -53,8 +53,9 @@ pub struct TwoRays {
 }
 
 impl TwoRays {
-    /// Field at a facet over that of the straight ray, 0 to 2: of its height above the mean sea, m, the sine of
-    /// the grazing angle, and its slope towards the antenna. 1 below the horizon and for what is not a number.
+    /// Field at a facet over that of the straight ray, 0 to 2: of its height above the mean sea, m, the sine
+    /// of the grazing angle, and its slope towards the antenna. 1 below the horizon and for what is not a
+    /// number.
     pub fn field(&self, height_m: f64, grazing_sine: f64, slope: f64) -> f64 {
         if grazing_sine.is_nan() || grazing_sine <= 0.0 {
             return 1.0;

@@ -25,8 +25,8 @@ const PIDGEON_RX_DEG: f64 = 20.0;
 const PIDGEON: [(f64, f64); 4] = [(0.2, -54.0), (3.0, -42.0), (0.6, -49.0), (1.0, -47.0)];
 /// Receiver's grazing angle, degrees, of Kochanski's measurements, and their mean in VV, dB (sea state 1).
 const KOCHANSKI: [(f64, f64); 3] = [(5.0, -50.0), (40.0, -50.0), (20.0, -50.0)];
-/// Bistatic angle, degrees, and what Ewell and Zehner measured of bistatic over monostatic, VV and HH, dB (sea
-/// state 4).
+/// Bistatic angle, degrees, and what Ewell and Zehner measured of bistatic over monostatic, VV and HH, dB
+/// (sea state 4).
 const EWELL: [(f64, [f64; 2]); 4] =
     [(24.0, [-4.5, -5.9]), (60.0, [-25.3, -19.4]), (45.0, [-23.3, -17.4]), (35.0, [-14.3, -11.0])];
 /// Heights of their transmitter and receiver, and the distance between these, m.
