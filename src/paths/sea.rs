@@ -265,6 +265,9 @@ impl SeaPlan {
                 ends: antennas,
                 land: plan.land.as_ref().map(|land| land.sheet.clone()),
                 hulls: None,
+                two_rays: shadowing
+                    .two_rays
+                    .then(|| plan.scattering.two_rays(plan.surface.expected().variance_m2.sqrt())),
             };
             // Whether its maps are legal shows here and not at the first pulse.
             visibility.check::<SeaFault>(&plan.wakes, &plan.patch)?;

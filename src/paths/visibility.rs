@@ -11,10 +11,13 @@
 
 use std::ops::Range;
 
+use glam::{DVec2, DVec3};
+
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
 use crate::geometry::shadow::{Map, Relief, Settings, Shadow, ShadowError};
 use crate::paths::ships::Hulls;
+use crate::scattering::two_rays::TwoRays;
 use crate::scene::Patch;
 use crate::sea::facet_surface::FacetSurface;
 use crate::sea::land::LandSheet;
@@ -40,6 +43,8 @@ pub(super) struct Visibility {
     pub land: Option<LandSheet>,
     /// Ships that hide facets.
     pub hulls: Option<Hulls>,
+    /// The sea before a facet as a mirror, if it reflects.
+    pub two_rays: Option<TwoRays>,
 }
 
 /// Weights at one update.
@@ -195,6 +200,7 @@ impl Visibility {
         update.patch = scenery(time_s, places)?.grown(self.margin);
         if !self.waves
             && self.hulls.is_none()
+            && self.two_rays.is_none()
             && places.iter().all(|place| self.within_horizon(*place, &update.patch))
         {
             update.illuminated.fill(true);
@@ -249,18 +255,21 @@ impl Visibility {
             let place = places[antenna];
             let waves = self.waves && !relief.cannot_shadow(&map, place, self.settings);
             let earth = !self.within_horizon(place, &patch);
-            let mut whole = !waves && !earth;
+            let mut whole = !waves && !earth && self.two_rays.is_none();
             let (weights, dimmed) = (&mut update.weights[antenna], &mut update.dimmed[antenna]);
             if !whole {
                 *dimmed = None;
             }
             if waves {
                 shadow.weights(&map, place, weights)?;
-            } else if earth {
+            } else if !whole {
                 weights.fill(1.0);
             }
             if earth {
                 self.set_behind_earth(place, &patch, heights_m, weights);
+            }
+            if let Some(two_rays) = &self.two_rays {
+                self.add_reflected(two_rays, place, (&patch, &*heights_m), &lower, weights);
             }
             if let Some(hulls) = &self.hulls {
                 let width = patch.facets[0];
@@ -297,6 +306,46 @@ impl Visibility {
                 let clearance_m = horizon::clearance_m(self.earth, place, Point::new(x_m, y_m, *z_m));
                 *weight *= horizon::weight(clearance_m, self.horizon_edge_m);
             }
+        }
+    }
+
+    /// Multiplies the weights of facets (of these heights in the scene's frame, m) by the field at them over
+    /// that of the straight ray from a place. Land reflects nothing.
+    fn add_reflected(
+        &self,
+        two_rays: &TwoRays,
+        place: Point<Enu>,
+        (patch, heights_m): (&Patch, &[f64]),
+        lower: impl Fn([f64; 2]) -> f64,
+        weights: &mut [f64],
+    ) {
+        let [columns, rows] = patch.facets;
+        let dem = self.land.as_ref().map(LandSheet::dem);
+        for (index, weight) in weights.iter_mut().enumerate().filter(|(_, weight)| **weight > 0.0) {
+            let (column, row) = (index % columns, index / columns);
+            let key = [patch.first[0] + column as i64, patch.first[1] + row as i64];
+            if dem.as_ref().is_some_and(|dem| dem.is_land(key, patch.facet_m)) {
+                continue;
+            }
+            let [x_m, y_m] = patch.centre_m(key);
+            let ray = place.raw() - DVec3::new(x_m, y_m, heights_m[index]);
+            let level = ray.truncate().normalize_or_zero();
+            // Slope of the heights towards the antenna, between both neighbours; at the edge from the facet.
+            let between = |before: usize, after: usize, facets: usize| {
+                (heights_m[after] - heights_m[before]) / (facets.max(1) as f64 * patch.facet_m)
+            };
+            let [left, right] = [column.saturating_sub(1), (column + 1).min(columns - 1)];
+            let [below, above] = [row.saturating_sub(1), (row + 1).min(rows - 1)];
+            let rise = DVec2::new(
+                between(row * columns + left, row * columns + right, right - left),
+                between(below * columns + column, above * columns + column, above - below),
+            );
+            // Of the mean surface on a curved earth, over a metre to either side.
+            let mean_rise =
+                0.5 * (lower([x_m - level.x, y_m - level.y]) - lower([x_m + level.x, y_m + level.y]));
+            let height_m = heights_m[index] + lower([x_m, y_m]);
+            let sine = ray.z / ray.length() - mean_rise;
+            *weight *= two_rays.field(height_m, sine, mean_rise - rise.dot(level));
         }
     }
 
@@ -355,7 +404,7 @@ impl Update {
         self.dimmed[antenna] = self.dimmed[twin].clone();
     }
 
-    /// Weight of the facet with a global key from an antenna, 0 to 1.
+    /// Weight of the facet with a global key from an antenna, 0 to 1, or to 2 with two rays.
     pub fn weight(&self, antenna: usize, key: [i64; 2]) -> f64 {
         if self.illuminated[antenna] { 1.0 } else { self.weights[antenna][self.patch.nearest_index(key)] }
     }

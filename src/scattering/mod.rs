@@ -21,5 +21,6 @@ pub mod speckle;
 pub mod splitting;
 pub mod spm;
 pub mod tilt;
+pub mod two_rays;
 pub mod two_scale;
 pub mod water;

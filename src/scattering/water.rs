@@ -48,6 +48,7 @@ use super::lanes::{LaneModulation, LaneWater};
 use super::modulation::{self, TiltBias};
 use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::Speckle;
+use super::two_rays::TwoRays;
 use super::two_scale::{Medium, Settings, TwoScale};
 use crate::scattering::splitting::high_pass;
 use crate::scene::sea::{BraggWaves, LightWinds, Permittivity, SlickRegion};
@@ -107,6 +108,7 @@ pub struct WaterScattering {
     bias: TiltBias,
     seed: u64,
     mechanisms: usize,
+    tilt_variances: [f64; 2],
     permittivity: Complex64,
     wavenumber_radpm: f64,
     pub(super) cut_radpm: Option<f64>,
@@ -229,6 +231,7 @@ impl WaterScattering {
         }
         let bias = clean.tilt_bias();
         let (mechanisms, cut_radpm) = (1 + clean.tilts(), clean.cut_radpm());
+        let tilt_variances = clean.tilt_variances();
         let travelling = bragg_lines(sea, wind, spectrum.as_ref(), &clean, sight.seed);
         let mut kinds = vec![batch(two_scale, medium, Clean, psi(), bias)];
         let mut regions = Vec::with_capacity(slicks.len());
@@ -267,6 +270,7 @@ impl WaterScattering {
             bias: bias.unwrap_or_default(),
             seed: sight.seed,
             mechanisms,
+            tilt_variances,
             permittivity: medium.permittivity,
             wavenumber_radpm: medium.wavenumber_radpm(),
             cut_radpm,
@@ -339,6 +343,13 @@ impl WaterScattering {
     /// Modulation by the waves of the map.
     pub fn strength(&self) -> &Strength {
         &self.strength
+    }
+
+    /// The sea as its own mirror, of waves of a standard deviation, m.
+    pub fn two_rays(&self, height_rms_m: f64) -> TwoRays {
+        let [up, across] = self.tilt_variances;
+        let slope_rms = (0.5 * (up + across)).sqrt();
+        TwoRays { wavenumber_radpm: self.wavenumber_radpm, height_rms_m, slope_rms }
     }
 
     /// Kinds of surface, the clean one included.

@@ -259,11 +259,14 @@ pub struct Shadowing {
     pub rays_per_facet: usize,
     /// Time between updates, s; weights are cross-faded linearly in between.
     pub update_s: f64,
+    /// Whether the ray that the mean sea reflects onto a facet interferes with the straight one
+    /// (`scattering::two_rays`).
+    pub two_rays: bool,
 }
 
 impl Default for Shadowing {
     fn default() -> Self {
-        Self { width_rad: None, rays_per_facet: 2, update_s: 0.02 }
+        Self { width_rad: None, rays_per_facet: 2, update_s: 0.02, two_rays: false }
     }
 }
 

@@ -15,6 +15,7 @@ mod hidden;
 mod horizon;
 mod known_errors;
 mod land;
+mod low_grazing;
 mod matched_filter;
 mod measured;
 mod modulation;

@@ -337,5 +337,10 @@ fn shadow_text(shadow: &Shadowing) -> String {
         None => "soft edge, its width from the map".to_owned(),
     };
     let update_ms = (1e6 * shadow.update_s).round() / 1e3;
-    format!("{edge}, {} rays per facet, updated every {} ms", shadow.rays_per_facet, neat(update_ms))
+    let two_rays = if shadow.two_rays { "; the mean sea reflects onto facets" } else { "" };
+    format!(
+        "{edge}, {} rays per facet, updated every {} ms{two_rays}",
+        shadow.rays_per_facet,
+        neat(update_ms)
+    )
 }

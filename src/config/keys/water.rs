@@ -50,6 +50,7 @@ tables! {
         WIDTH_RAD "width_rad", above("rad", 0.0, 1000.0), Means("half the rms change of slope over a facet, from the map"), "soft: tangent of the angle above the shadow boundary (the line of sight that grazes the crests before the facet) over which a facet comes into full view.";
         RAYS_PER_FACET "rays_per_facet", count(1, 64), Count(2), "Rays per facet across the look direction.";
         UPDATE_MS "update_ms", number("ms", 0.1, 10_000.0), Means("the multiple of ten pulse intervals nearest to 20 ms, at least ten intervals"), "Time between updates; visibility is cross-faded in between.";
+        TWO_RAYS "two_rays", Kind::Flag, Flag(false), "Whether the ray that the mean sea reflects onto a facet interferes with the straight one, so that the echo falls as the fourth power of the grazing angle below the critical one (docs/physics.md section 11.3). It counts below about a degree, in a standard atmosphere.";
     }
     swell "[[swell]]" "A swell train. Exactly one direction." {
         SIGNIFICANT_HEIGHT_M "significant_height_m", number("m", 0.0, 30.0), Required, "Significant wave height.";

@@ -332,7 +332,7 @@ fn scattering(
 
 /// `Some(None)` where nothing is hidden.
 fn shadow(section: Section<'_>, pri_s: Option<f64>) -> Option<Option<Shadowing>> {
-    use keys::shadow::{EDGE, ENABLED, RAYS_PER_FACET, UPDATE_MS, WIDTH_RAD};
+    use keys::shadow::{EDGE, ENABLED, RAYS_PER_FACET, TWO_RAYS, UPDATE_MS, WIDTH_RAD};
     let enabled = section.flag(&ENABLED);
     let edge = section.choice(&EDGE);
     let width_rad = section.number(&WIDTH_RAD);
@@ -347,10 +347,14 @@ fn shadow(section: Section<'_>, pri_s: Option<f64>) -> Option<Option<Shadowing>>
         Some(update_ms) => update_ms / 1e3,
         None => pri_s.map_or(UPDATE_S, steps),
     };
+    let two_rays = section.flag(&TWO_RAYS);
+    if enabled == Some(false) {
+        section.idle(&[&TWO_RAYS], "enabled = false");
+    }
     section.finish();
     let width_rad = if edge? == "sharp" { Some(0.0) } else { width_rad };
     let rays_per_facet = usize::try_from(rays?).ok()?;
-    let shadowing = Shadowing { width_rad, rays_per_facet, update_s };
+    let shadowing = Shadowing { width_rad, rays_per_facet, update_s, two_rays: two_rays? };
     sound.then_some(enabled?.then_some(shadowing))
 }
 

@@ -194,7 +194,10 @@ fn every_setting_arrives() {
         displacement: false,
     };
     assert_eq!(sea.scattering, scattering);
-    assert_eq!(sea.shadow, Some(Shadowing { width_rad: Some(0.0), rays_per_facet: 3, update_s: 0.005 }));
+    assert_eq!(
+        sea.shadow,
+        Some(Shadowing { width_rad: Some(0.0), rays_per_facet: 3, update_s: 0.005, two_rays: false })
+    );
 
     assert_eq!(sea_of(&[("sea.shadow.enabled", "false"), ("sea.shadow.update_ms", "7")]).shadow, None);
     assert_eq!(sea_of(&[("sea.shadow.width_rad", "0.02")]).shadow.unwrap().width_rad, Some(0.02));
