@@ -201,6 +201,7 @@ fn every_setting_arrives() {
 
     assert_eq!(sea_of(&[("sea.shadow.enabled", "false"), ("sea.shadow.update_ms", "7")]).shadow, None);
     assert_eq!(sea_of(&[("sea.shadow.width_rad", "0.02")]).shadow.unwrap().width_rad, Some(0.02));
+    assert!(sea_of(&[("sea.shadow.two_rays", "true")]).shadow.unwrap().two_rays);
     let bragg = |list: &[(&str, &str)]| sea_of(list).scattering.bragg;
     let travelling = ("sea.scattering.bragg", "travelling");
     assert_eq!(bragg(&[travelling]), BraggWaves::Travelling { drift_share: 0.03, drift_turn_rad: 0.0 });
