@@ -81,12 +81,23 @@ class InternalError(NereusError):
 
 
 def existing(path: str | os.PathLike[str], what: str) -> str:
-    """The path of what has to exist."""
-    path = os.fspath(path)
+    """The path of what has to exist: a file or a folder. A pipe waits for who writes into it, and a device may never end."""
+    path = os.fsdecode(path)
     if not os.path.exists(path):
         beside = "" if os.path.isabs(path) else f", the working directory is {os.getcwd()}"
         raise MissingFileError(f"{path}: no such {what}{beside}")
+    if not (os.path.isfile(path) or os.path.isdir(path)):
+        raise InputError(f"{path}: is a pipe or a device; allowed: a {what}")
     return path
+
+
+def text(what: str, value: str) -> str:
+    """A text that can be written: Python's may hold halves of characters, as of names of files in another encoding."""
+    try:
+        value.encode()
+    except UnicodeEncodeError as error:
+        raise InputError(f"{what}: {value[:60]!r} has half a character at {error.start}; allowed: whole characters of Unicode") from None
+    return value
 
 
 def unknown(what: str, name: str, allowed: Iterable[str]) -> InputError:

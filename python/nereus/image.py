@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import reprlib
 import tempfile
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -98,7 +99,7 @@ def focus(
     """
     h5py = needs("nereus.focus", "xarray", "h5py")
     if nav not in ("true", "reported"):
-        raise InputError(f'nav: {nav!r}; allowed: "true", "reported"')
+        raise InputError(f'nav: {reprlib.repr(nav)}; allowed: "true", "reported"')
     path = _path(recording)
     given: dict[str, Any] = {"pulses": _range(pulses), "channel": channel}
     if getattr(recording, "encoding", None):

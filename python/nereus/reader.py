@@ -201,6 +201,8 @@ def _plain(value):
 
 def open_recording(path):
     """Opens a recording of either kind."""
+    if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
+        raise ValueError(f"{path}: is a pipe or a device; allowed: a recording")
     return PlainRecording(path) if os.path.isdir(path) else Hdf5Recording(path)
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import datetime
 import html
 import importlib
+import itertools
 import json
 import os
 import re
+import reprlib
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -17,13 +18,17 @@ import numpy as np
 from . import _nereus, progress as _progress
 from ._nereus import Stream
 from .arrays import ArrayFile, Folder, finite
-from .errors import ArrayError, InputError, OutputExistsError, ScenarioError, existing
+from .errors import ArrayError, InputError, OutputExistsError, ScenarioError, existing, text
 
 __all__ = ["Report", "Scenario"]
 
 #: The first pulse, and the one after the last.
 Pulses = Union[tuple[int, int], range, None]
 _HDF5 = (".h5", ".hdf5")
+#: Bytes of the longest file that is read as a scenario; the engine refuses longer ones.
+_LONGEST = 4 << 20
+#: Tables and lists within each other that a scenario can have.
+_DEEPEST = 50
 
 
 class Report:
@@ -108,14 +113,17 @@ class Scenario:
             self._text = _nereus.toml(json.dumps(self._plain("", source)))
         elif isinstance(source, str) and "\n" in source:
             self._path = os.path.join(os.fspath(folder), "<text>")
-            self._text = source
+            self._text = text("a scenario", source)
         elif isinstance(source, (str, os.PathLike)):
             self._path = existing(source, "scenario")
             try:
-                self._text = Path(self._path).read_bytes().decode()
+                with open(self._path, "rb") as file:
+                    found = file.read(_LONGEST + 1)
+                self._text = found.decode() if len(found) <= _LONGEST else None
             except (OSError, UnicodeDecodeError):
-                # The engine finds the same, and words it.
                 self._text = None
+            if self._text is None:
+                # The engine finds the same, and words it.
                 self._engine
         else:
             raise InputError(f"a scenario of {type(source).__name__}; allowed: a path, TOML text, or a dict")
@@ -128,6 +136,12 @@ class Scenario:
         >>> Scenario("configs/selftest.toml").set({"scene.duration_s": 1.0}).pulse_count
         222
         """
+        if not isinstance(values, Mapping):
+            raise InputError(f"set: values of {type(values).__name__}; allowed: a dict of dotted keys")
+        for key in values:
+            if not isinstance(key, str):
+                raise InputError(f'set: a key of {type(key).__name__}; allowed: a text such as "scene.duration_s"')
+            text("set: a key", key)
         other = object.__new__(Scenario)
         other.__dict__.update(self.__dict__)
         other._folders = list(self._folders)
@@ -137,33 +151,52 @@ class Scenario:
         ]
         return other
 
-    def _plain(self, key: str, value: Any) -> Any:
+    def _plain(self, key: str, value: Any, depth: int = 0) -> Any:
         """A value as JSON has it; arrays that a scenario reads from files become their paths."""
+        if depth > _DEEPEST:
+            raise InputError(f"{key[:60]}...: more than {_DEEPEST} tables and lists within each other; allowed: what a scenario has")
         if isinstance(value, Mapping):
-            return {str(name): self._plain(f"{key}.{name}".lstrip("."), item) for name, item in value.items()}
+            below = f"{key}.".lstrip(".")
+            return {text("a key", str(name)): self._plain(f"{below}{name}", item, depth + 1) for name, item in value.items()}
         if isinstance(value, ArrayFile):
             if not self._folders:
                 self._folders.append(Folder())
             return self._folders[-1].put(value)
         if isinstance(value, (np.ndarray, np.generic)):
-            if value.dtype.kind not in "biufU":
-                hint = "; nereus.waveform takes complex samples" if value.dtype.kind == "c" else ""
-                raise ArrayError(f"{key}: an array of {value.dtype}; allowed: numbers, truth values, texts{hint}")
-            return finite(key, value).tolist() if value.dtype.kind == "f" else value.tolist()
+            return self._array(key, value, depth)
         if isinstance(value, (list, tuple)):
-            return [self._plain(f"{key}.{i}", item) for i, item in enumerate(value)]
+            return [self._plain(f"{key}.{i}", item, depth + 1) for i, item in enumerate(value)]
         if isinstance(value, os.PathLike):
-            return os.fspath(value)
+            return text(key, os.fsdecode(value))
         if isinstance(value, datetime.datetime):
             aware = value if value.tzinfo else value.replace(tzinfo=datetime.timezone.utc)
-            return aware.astimezone(datetime.timezone.utc).isoformat().replace("+00:00", "Z")
+            try:
+                return aware.astimezone(datetime.timezone.utc).isoformat().replace("+00:00", "Z")
+            except OverflowError:
+                raise InputError(f"{key}: {value} is in no year from 1 to 9999 in UTC") from None
         if isinstance(value, float) and not np.isfinite(value):
             raise InputError(f"{key}: {value}; allowed: a finite number")
         if value is None:
             raise InputError(f"{key}: None takes no key away; remedy: leave it out of the file or dict that Scenario() reads")
         if not isinstance(value, (str, bool, int, float)):
             raise InputError(f"{key}: a value of {type(value).__name__}; allowed: numbers, texts, lists, dicts, arrays")
-        return value
+        if isinstance(value, int) and not -(2**63) <= value < 2**64:
+            raise InputError(f"{key}: a whole number of {value.bit_length()} bits; allowed: 64 bits")
+        return text(key, value) if isinstance(value, str) else value
+
+    def _array(self, key: str, value: Any, depth: int) -> Any:
+        """An array or a scalar of numpy as lists and values."""
+        if value.dtype.kind not in "biufU":
+            hint = "; nereus.waveform takes complex samples" if value.dtype.kind == "c" else ""
+            raise ArrayError(f"{key}: an array of {value.dtype}; allowed: numbers, truth values, texts{hint}")
+        if np.ma.is_masked(value):
+            raise ArrayError(f"{key}: an array with masked values; allowed: values everywhere")
+        if value.dtype.kind == "U":
+            return self._plain(key, value.tolist(), depth)
+        if value.dtype.kind == "f":
+            with np.errstate(over="ignore"):
+                return finite(key, value.astype(np.float64)).tolist()
+        return value.tolist()
 
     @property
     def _engine(self) -> _nereus.Engine:
@@ -205,7 +238,7 @@ class Scenario:
             pulses: first and one past the last, instead of all.
         """
         if pace not in ("fast", "realtime"):
-            raise InputError(f'pace: {pace!r}; allowed: "fast", "realtime"')
+            raise InputError(f'pace: {reprlib.repr(pace)}; allowed: "fast", "realtime"')
         return self._engine.stream(pace == "realtime", _range(pulses))
 
     def record(
@@ -232,14 +265,16 @@ class Scenario:
             OutputExistsError: `path` exists, and is not to be replaced, or no recording.
             MissingFileError: its folder does not exist.
         """
-        path = os.fspath(path)
+        path = text("path", os.fsdecode(path))
         suffix = os.path.splitext(path)[1].lower()
-        found = format or ("hdf5" if suffix in _HDF5 else "zarr" if suffix == ".zarr" else "plain")
+        found = format
+        if format is None:
+            found = "hdf5" if suffix in _HDF5 else "zarr" if suffix == ".zarr" else "plain"
         if found == "zarr":
             zarr = importlib.import_module(".zarr", __package__)
             return zarr.record(self, path, pulses=pulses, progress=progress, force=force)
         if found not in ("hdf5", "plain"):
-            raise InputError(f'format: {format!r}; allowed: "hdf5", "plain", "zarr"')
+            raise InputError(f'format: {reprlib.repr(format)}; allowed: "hdf5", "plain", "zarr"')
         existing(os.path.dirname(os.path.abspath(path)), "folder, for the output")
         if os.path.lexists(path) and not force:
             raise OutputExistsError(f"{path}: exists already; allowed: another name, or force=True, which replaces recordings")
@@ -271,7 +306,8 @@ def _range(pulses: Pulses | Iterable[int]) -> tuple[int, int] | None:
         return None
     if isinstance(pulses, range):
         pulses = (pulses.start, pulses.stop) if pulses.step == 1 else ()
-    found = tuple(pulses) if isinstance(pulses, Iterable) else ()
-    if len(found) != 2 or not all(isinstance(n, (int, np.integer)) and n >= 0 for n in found):
-        raise InputError(f"pulses: {pulses!r}; allowed: (first, one past the last), whole numbers from 0")
+    # Not more of what is given than shows that it is too long.
+    found = tuple(itertools.islice(pulses, 3)) if isinstance(pulses, Iterable) else ()
+    if len(found) != 2 or not all(isinstance(n, (int, np.integer)) and 0 <= n < 2**64 for n in found):
+        raise InputError(f"pulses: {reprlib.repr(pulses)}; allowed: (first, one past the last), whole numbers from 0")
     return int(found[0]), int(found[1])

@@ -63,6 +63,9 @@ def _words(options: Mapping[str, Any]) -> list[str]:
             words.append(flag)
             continue
         values = np.atleast_1d(np.asarray(value)).tolist()
+        for item in values:
+            if isinstance(item, (Mapping, list, tuple, set, frozenset)):
+                raise InputError(f"{name}: a value of {type(item).__name__}; allowed: numbers, texts, lists of these")
         words.append(f"{flag}={','.join(str(item) for item in values)}")
     return words
 
@@ -76,6 +79,8 @@ def table(quantity: str, **keys: Any) -> dict[str, NDArray[Any]]:
     >>> sorted(set(rows["u10_mps"].tolist())), rows["sigma0_vv_db"].shape == rows["incidence_deg"].shape
     ([5.0, 10.0], True)
     """
+    if not isinstance(quantity, str):
+        raise InputError(f"table: a quantity of {type(quantity).__name__}; allowed: a text")
     quantities = _listed(("table",), r"^  ([a-z][\w-]*) ")
     if quantity not in quantities:
         raise unknown("table: the quantity", quantity, quantities)

@@ -61,6 +61,16 @@ impl ConfigError {
 /// Faults of syntax that are listed: a file that is no TOML at all has one on every line.
 const MOST_SYNTAX: usize = 5;
 
+/// What is wrong with a path where a file is asked for.
+fn no_file(path: &std::path::Path) -> String {
+    let shown = path.display();
+    match path.exists() {
+        true if path.is_dir() => format!("{shown} is a folder"),
+        true => format!("{shown} is a pipe or a device"),
+        false => format!("there is no file {shown}"),
+    }
+}
+
 fn list(path: &std::path::Path, faults: &[Fault]) -> String {
     let mut text = String::new();
     let mut garbled = 0;
@@ -197,13 +207,13 @@ pub enum Problem {
         known: String,
     },
     /// A missing file.
-    #[error("there is no file {}; allowed: a file that exists (relative to the scenario file)", path.display())]
+    #[error("{}; allowed: a file that exists (relative to the scenario file)", no_file(path))]
     NoFile {
         /// Where it was looked for.
         path: PathBuf,
     },
     /// Neither a file nor the word that stands for one.
-    #[error("there is no file {}; allowed: {allowed}", path.display())]
+    #[error("{}; allowed: {allowed}", no_file(path))]
     NoFileOr {
         /// Where it was looked for.
         path: PathBuf,

@@ -24,6 +24,24 @@ fn files_that_are_no_scenarios() {
     assert!(!load(&path, &[]).unwrap_err().faults().is_empty());
 }
 
+#[cfg(unix)]
+#[test]
+fn what_is_named_and_is_no_file_is_called_what_it_is() {
+    let of = |path: &str| {
+        let waveform = format!("{{ kind = 'file', path = '{path}', rate_hz = 5e7 }}");
+        faults_of(&[("radar.waveform", &waveform)])
+    };
+    let allowed = "allowed: a file that exists (relative to the scenario file)";
+    for device in ["/dev/zero", "/dev/null"] {
+        let found = of(device);
+        assert!(
+            found.contains(&format!("radar.waveform.path: {device} is a pipe or a device; {allowed}")),
+            "{found}"
+        );
+    }
+    assert!(of("/").contains("radar.waveform.path: / is a folder; "), "{}", of("/"));
+}
+
 /// A text whose characters from `at` of its length on, `cut` of them, are replaced.
 pub(super) fn corrupted(text: &str, at: f64, cut: usize, put: &str) -> String {
     let chars: Vec<char> = text.chars().collect();

@@ -46,7 +46,7 @@ impl Facts {
                     xml.text("TxAPCId", name)?;
                     xml.text("TxAPATId", pattern_id(name, sequence.polarisation))?;
                     reference_point(xml, "TxRefPoint", area)?;
-                    let at = at_point(&seen, port(sequence.polarisation), area.middle, 1.0);
+                    let at = at_point(&seen, port(sequence.polarisation), area.point, 1.0);
                     polarisation(xml, "TxPolarization", sequence.polarisation, &at)?;
                     xml.real("TxRefRadIntensity", sequence.intensity_dbw)?;
                     xml.real("TxRadIntErrorStdDev", 0.0)?;
@@ -57,7 +57,7 @@ impl Facts {
     }
 
     fn air_db(&self, seen: &State, area: &Area) -> f64 {
-        self.description.air_db_per_m * seen.position_m.distance(area.middle)
+        self.description.air_db_per_m * seen.position_m.distance(area.point)
     }
 
     pub(super) fn channels(&self, xml: &mut Xml, area: &Area) -> io::Result<()> {
@@ -94,7 +94,7 @@ impl Facts {
             xml.text("RcvAPCId", name)?;
             xml.text("RcvAPATId", pattern_id(name, channel.polarisation))?;
             reference_point(xml, "RcvRefPoint", area)?;
-            let at = at_point(&seen, port(channel.polarisation), area.middle, -1.0);
+            let at = at_point(&seen, port(channel.polarisation), area.point, -1.0);
             polarisation(xml, "RcvPolarization", channel.polarisation, &at)?;
             xml.real("RcvRefIrradiance", channel.irradiance_dbw)?;
             xml.real("RcvIrradianceErrorStdDev", 0.0)?;
@@ -105,7 +105,7 @@ impl Facts {
                 xml.text("TxId", &sequence.id)?;
                 xml.text("RefVectorPulseIndex", middle)?;
                 let sent = state(&self.pulses[channel.sequence][1], "Tx");
-                let at = at_point(&sent, port(sequence.polarisation), area.middle, 1.0);
+                let at = at_point(&sent, port(sequence.polarisation), area.point, 1.0);
                 polarisation(xml, "TxPolarization", sequence.polarisation, &at)?;
                 xml.within("DwellTimes", |xml| {
                     xml.within("Polynomials", |xml| {
@@ -126,11 +126,8 @@ impl Facts {
 
     pub(super) fn reference_geometry(&self, xml: &mut Xml, area: &Area) -> io::Result<()> {
         let (_, _, pulse, vector) = self.reference();
-        let (sent, received) = (state(pulse, "Tx"), state(vector, "Rcv"));
-        let axes = local(area.middle);
-        let transmitter = OneWay::of(sent.position_m, sent.velocity_mps, area.middle, axes);
-        let receiver = OneWay::of(received.position_m, received.velocity_mps, area.middle, axes);
-        let both = Bistatic::of(&transmitter, &receiver, area.middle, axes);
+        let ends = [state(pulse, "Tx"), state(vector, "Rcv")];
+        let Geometry { transmitter, receiver, both } = Geometry::of(ends, area.point);
         let (sent_s, received_s) = (pulse.time_s("TxTime"), vector.time_s("RcvStart"));
         let part = transmitter.slant_m / (transmitter.slant_m + receiver.slant_m);
         xml.within("ReferenceGeometry", |xml| {

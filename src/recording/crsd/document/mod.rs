@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::description::{Channel, Description, End, FLAT, NOISE, Sequence};
 use super::records::{ADDED, Field, Known, PPP, PVP, bytes};
-use super::reference::{Bistatic, OneWay, TwoAxes, at_point, local, port};
+use super::reference::{Geometry, OneWay, TwoAxes, at_point, port, steady};
 use super::states::State;
 use super::xml::Xml;
 use crate::frames::{Ecef, Enu, Point, Vector};
@@ -75,6 +75,10 @@ pub(super) struct Facts {
 struct Area {
     /// Its middle, Earth-centred: the image area reference point.
     middle: DVec3,
+    /// The reference point: the middle, or millimetres East of it (see [`steady`]).
+    point: DVec3,
+    /// How far East of the middle it is, m.
+    aside_m: f64,
     /// East and North, Earth-centred.
     axes: [DVec3; 2],
     /// Half its sides, m.
@@ -137,8 +141,8 @@ fn state(record: &Known, end: &str) -> State {
 
 fn reference_point(xml: &mut Xml, name: &str, area: &Area) -> io::Result<()> {
     xml.within(name, |xml| {
-        xml.vector("ECF", area.middle)?;
-        xml.point("IAC", &[], [0.0; 2])
+        xml.vector("ECF", area.point)?;
+        xml.point("IAC", &[], [area.aside_m, 0.0])
     })
 }
 
@@ -192,7 +196,10 @@ impl Facts {
         };
         let axis = |v: Vector<Enu>| frame.vector_to_ecef(v).map_or(DVec3::ZERO, Vector::raw);
         let middle = frame.to_ecef(frame.above_sea(x, y, 0.0)).map_or(DVec3::ZERO, Point::raw);
-        Area { middle, axes: [axis(Vector::new(1.0, 0.0, 0.0)), axis(Vector::new(0.0, 1.0, 0.0))], half }
+        let axes = [axis(Vector::new(1.0, 0.0, 0.0)), axis(Vector::new(0.0, 1.0, 0.0))];
+        let (_, _, pulse, vector) = self.reference();
+        let (aside_m, point) = steady([state(pulse, "Tx"), state(vector, "Rcv")], middle, axes[0]);
+        Area { middle, point, aside_m, axes, half }
     }
 
     /// Where a ray meets the mean sea, East and North, m.
