@@ -21,6 +21,7 @@ use glam::{DMat3, DVec3};
 use serde::Serialize;
 
 use crate::frames::{Earth, Enu, SceneFrame, Vector};
+use crate::motion::gate::Refusals;
 use crate::motion::hermite::{acceleration_controls, derivative_weights, stencil};
 use crate::motion::outliers;
 use crate::motion::smoother::{Series, likeliest_density, smooth};
@@ -67,6 +68,10 @@ pub struct FitReport {
     pub vertical_jerk_density: Option<f64>,
     /// Slowest and fastest speed at a node, m/s.
     pub speed_mps: [f64; 2],
+    /// Fixes that the plausibility gate refused, before the others were taken as exact.
+    pub refused: Refusals,
+    /// Acceleration that the platform can have, m/s^2; `None` with smoothing, which has its own bound.
+    pub possible_acceleration_mps2: Option<f64>,
 }
 
 impl fmt::Display for FitReport {
@@ -97,6 +102,21 @@ impl fmt::Display for FitReport {
             write!(f, " taken as exact: acceleration up to {:.3} m/s^2", self.max_acceleration_mps2)?;
         }
         write!(f, "; speed {:.1} to {:.1} m/s", self.speed_mps[0], self.speed_mps[1])?;
+        let Refusals { implausible, jumps } = self.refused;
+        if implausible > 0 {
+            write!(
+                f,
+                "; {implausible} implausible fixes refused (track.vehicle, max_speed_mps, max_acceleration_mps2)"
+            )?;
+        }
+        if jumps > 0 {
+            write!(f, "; {jumps} jumps to where the platform cannot have got")?;
+        }
+        if let Some(possible) =
+            self.possible_acceleration_mps2.filter(|most| self.max_acceleration_mps2 > *most)
+        {
+            write!(f, "; more than the {possible} m/s^2 of the vehicle: noisy fixes want track.smoothing")?;
+        }
         if self.attitude_derived {
             f.write_str("; no attitude among the fixes: derived from the motion (coordinated turn)")?;
         }
