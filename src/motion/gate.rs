@@ -24,7 +24,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::frames::SceneFrame;
-use crate::motion::track::fit::{position, to_local_axes};
+use crate::motion::place::{position, to_local_axes};
 use crate::nav::Fix;
 use crate::nav::live::MotionBounds;
 use crate::time::TimeTag;

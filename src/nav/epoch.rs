@@ -2,16 +2,17 @@
 //!
 //! GGA, GNS, RMC, GLL, ZDA, GST and PASHR bear a time of day; all with the same one belong together. VTG, HDT
 //! and THS have no time. A stream that begins with one of them sends them before the sentences with a time
-//! (unless it begins within a sentence): each belongs to the epoch that opens next. Otherwise they belong to the
-//! epoch that is open when they come. A message with another time closes the open epoch. INSPVAX, INSPVA and
-//! INSPVAS are complete by themselves: each completes its epoch at once, and sentences that follow with the same
-//! time are left.
+//! (unless it begins within a sentence): each belongs to the epoch that opens next. Otherwise they belong to
+//! the epoch that is open when they come. A message with another time closes the open epoch. INSPVAX, INSPVA
+//! and INSPVAS are complete by themselves: each completes its epoch at once, and sentences that follow with
+//! the same time are left.
 //!
-//! * **Position**: INSPVAX before GGA before GNS before RMC before GLL; of two talkers that send the same, the one
-//!   with a height, else the first. **Attitude**: INSPVAX, PASHR, HDT or THS (pitch and roll zero).
-//! * **Talker.** Positions of one talker are used throughout: those of others are left and counted until it has
-//!   been silent for 10 s. All satellite systems (GP, GN, GL, ...) are one talker. A second sentence of a kind
-//!   with the same time and another place is left and counted: a clock of whole seconds, or two receivers.
+//! * **Position**: INSPVAX before GGA before GNS before RMC before GLL; of two talkers that send the same,
+//!   the one with a height, else the first. **Attitude**: INSPVAX, PASHR, HDT or THS (pitch and roll zero).
+//! * **Talker.** Positions of one talker are used throughout: those of others are left and counted until it
+//!   has been silent for 10 s. All satellite systems (GP, GN, GL, ...) are one talker. A second sentence of a
+//!   kind with the same time and another place is left and counted: a clock of whole seconds, or two
+//!   receivers.
 //! * **Height**: altitude above mean sea level, and the separation of the ellipsoid where the message gives
 //!   one. One talker's is not taken away by another that has none.
 //! * **Velocity**: INSPVAX; else speed and course of VTG or RMC (`v_E = v sin(course)`,
@@ -19,7 +20,8 @@
 //! * **Date** of RMC, ZDA or INSPVAX; an epoch without one takes that of the epoch before: where the time of
 //!   day falls by more than half a day, midnight has passed. Before the first date there is none. Within a
 //!   minute of midnight, or of the end of a GPS week, a date that changes late or early is that of the epoch
-//!   before, and counted. With a date of the source ([`Assembler::dated`]) those of the messages are not used.
+//!   before, and counted. With a date of the source ([`Assembler::dated`]) those of the messages are not
+//!   used.
 //! * **Leap seconds.** Time is counted on from the first date: behind a leap second it is one second ahead of
 //!   UTC, so that the motion goes on steadily.
 //! * A GST of an earlier time than the open epoch is left.
@@ -242,9 +244,15 @@ impl Assembler {
             }
             Content::Rmc(rmc) => {
                 let located = Located { fix: rmc.fix, rank: RMC, height_m: None };
+                let velocity_mps = ground(rmc.speed_knots, rmc.course_deg);
                 if let Some(epoch) = self.located(located, message, see) {
                     epoch.day = rmc.day.or(epoch.day);
-                    epoch.velocity_mps = ground(rmc.speed_knots, rmc.course_deg).or(epoch.velocity_mps);
+                    epoch.velocity_mps = velocity_mps.or(epoch.velocity_mps);
+                } else if let (Some(fix), Some(epoch)) = (rmc.fix, &mut self.open)
+                    && fix.time_of_day_ns == epoch.time_of_day_ns
+                {
+                    // Another talker's date is as good where there is none.
+                    epoch.day = epoch.day.or(rmc.day);
                 }
             }
             Content::Gll(gll) => {

@@ -3,8 +3,8 @@
 //! [`load`] is the one way from a file to fixes: it reads the file that a [`FileSource`] names, in the format
 //! that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`]. Formats: [`csv`]
 //! (documented columns), [`nmea`] (NMEA 0183 logs and those of NovAtel receivers), [`sbet`] (post-processed
-//! trajectories) and [`xml`] (GPX and KML). What becomes of the fixes is the business of `motion::track`. Reports of
-//! other vessels are read by [`ais`].
+//! trajectories) and [`xml`] (GPX and KML). What becomes of the fixes is the business of `motion::track`.
+//! Reports of other vessels are read by [`ais`].
 //!
 //! Bytes of a receiver go through [`decode`], [`epoch`] and [`completion`], which know no files: [`live`]
 //! reads them while a run goes on. [`encode`] writes what a receiver would send of a [`solution`].

@@ -1,26 +1,27 @@
 //! NMEA 0183 logs.
 //!
-//! Positions come from GGA, GNS, RMC and GLL, dates from RMC and ZDA, heights from GGA and GNS, headings from HDT
-//! and THS, the whole attitude from PASHR; sentences of one epoch (the same time of day) become one [`Fix`](super::Fix), see
-//! [`epoch`](super::epoch). A sentence may have anything before its `$` on the line (a logger's time
-//! stamp). Sentences with a wrong checksum, without one, of other kinds, void or unreadable are
-//! skipped, counted in the [`LoadReport`] and never an error by themselves; a log that
-//! gives no usable fix at all is one, with the reason.
+//! Positions come from GGA, GNS, RMC and GLL, dates from RMC and ZDA, heights from GGA and GNS, headings from
+//! HDT and THS, the whole attitude from PASHR; sentences of one epoch (the same time of day) become one
+//! [`Fix`](super::Fix), see [`epoch`](super::epoch). A sentence may have anything before its `$` on the line
+//! (a logger's time stamp). Sentences with a wrong checksum, without one, of other kinds, void or unreadable
+//! are skipped, counted in the [`LoadReport`] and never an error by themselves; a log that gives no usable
+//! fix at all is one, with the reason.
 //!
 //! * **Date.** An epoch without a date of its own takes that of its neighbours: where the time of day falls
 //!   by more than half a day, midnight has passed. Epochs before the first date are dated backwards. A log
 //!   without any date takes that of its first fix from the source.
 //! * **Order.** An epoch up to 5 s earlier than one already seen (two talkers with different delays) is
-//!   skipped and counted. Behind larger steps of the clock, and steps that stay, the longest stretch is kept, the
-//!   rest counted ([`stretches`](super::stretches)).
+//!   skipped and counted. Behind larger steps of the clock, and steps that stay, the longest stretch is kept,
+//!   the rest counted ([`stretches`](super::stretches)).
 //! * **Height** above the ellipsoid: altitude of GGA plus geoid separation of the same sentence; where it
 //!   gives no separation, the datum of the source decides: `Ellipsoid` takes it as it is, `MeanSeaLevel`
 //!   adds `undulation_m`, `Barometric` adds `offset_m` and `undulation_m`. A fix without an altitude gets
 //!   one interpolated between those beside it (held at the ends); a log without any altitude is taken to
 //!   be at mean sea level, `undulation_m`. Both are counted as `heights_filled`.
-//! * **Attitude.** HDT and THS have no time; alone they give yaw, with pitch and roll zero. Fixes without a heading get one interpolated (the short way round; held at the
-//!   ends) and are counted as `headings_filled`. VTG and the course of RMC say where the platform goes, not
-//!   where it looks, and are not used.
+//! * **Attitude.** HDT and THS have no time; alone they give yaw, with pitch and roll zero. Fixes without a
+//!   heading get one interpolated (the short way round; held at the ends) and are counted as
+//!   `headings_filled`. VTG and the course of RMC say where the platform goes, not where it looks, and are
+//!   not used.
 //!
 //! Resolution: a position of `ddmm.mmm` is quantised to 1.9 m, which used as truth without smoothing means
 //! accelerations of metres per second squared.

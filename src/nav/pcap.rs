@@ -1,12 +1,12 @@
 //! Captures of network traffic: the byte streams that were carried.
 //!
 //! Receivers send over TCP or UDP, and captures of that (`tcpdump -w`) are how many recordings are kept. What
-//! is read: pcap of either byte order, with micro- or nanoseconds, and pcapng; Ethernet (with
-//! VLAN tags), Linux "cooked", BSD loopback and raw IP; IPv4 and IPv6; TCP and UDP. Each direction of each
-//! connection is a [`Stream`]: UDP datagrams as they came, TCP in the order of its sequence numbers, what was
-//! sent twice left out, what is missing counted. Packets of other kinds and fragments are counted and left. An
-//! IP packet of length 0, as the sending host captures it before its network card cuts it, reaches to the end of
-//! its frame.
+//! is read: pcap of either byte order, with micro- or nanoseconds, and pcapng; Ethernet (with VLAN tags),
+//! Linux "cooked", BSD loopback and raw IP; IPv4 and IPv6; TCP and UDP. Each direction of each connection is
+//! a [`Stream`]: UDP datagrams as they came, TCP in the order of its sequence numbers, what was sent twice
+//! left out, what is missing counted. Packets of other kinds and fragments are counted and left. An IP packet
+//! of length 0, as the sending host captures it before its network card cuts it, reaches to the end of its
+//! frame.
 //!
 //! Sequence numbers wrap; they are unwrapped to the nearest of the packet before (within 2 GiB).
 //!

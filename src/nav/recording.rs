@@ -71,7 +71,8 @@ pub(super) fn follows(
     true
 }
 
-/// Fixes of epochs that have a date and a place: in order, complete, without what lies beyond steps of the clock.
+/// Fixes of epochs that have a date and a place: in order, complete, without what lies beyond steps of the
+/// clock.
 pub(super) fn of_epochs(
     mut epochs: Vec<Epoch>,
     mut report: LoadReport,

@@ -26,9 +26,6 @@
 use super::recording::Recording;
 use super::{FileFormat, FileSource, NavError, unpacked};
 
-/// The most bytes that are read of a file.
-pub const MAX_FILE_BYTES: u64 = 1 << 30;
-
 /// Reads the file of a source, which may be gzipped, and if it is text UTF-16.
 ///
 /// All faults of the file are reported at once, each with its line, value and what is allowed. Fixes come

@@ -1,9 +1,9 @@
 //! Steps of a receiver's clock within a recording.
 //!
 //! Before a receiver knows the time it reports 1980, a date 1024 weeks ago, or a UTC that is off by the leap
-//! seconds it has not yet learnt. A recording is cut where the time steps back by more than 5 s, where it steps
-//! ahead by more than a day. The longest stretch is kept, with those before and after it that are in order and
-//! not below a twentieth of it; the rest is left and counted.
+//! seconds it has not yet learnt. A recording is cut where the time steps back by more than 5 s, where it
+//! steps ahead by more than a day. The longest stretch is kept, with those before and after it that are in
+//! order and not below a twentieth of it; the rest is left and counted.
 //!
 //! Where the time steps back by up to 5 s and goes on from there at the pace that it had, the shorter side is
 //! moved by whole seconds to the time of the longer one: the platform has not stood still or jumped.
@@ -20,6 +20,8 @@ const DAY_S: f64 = 86_400.0;
 const PACE: f64 = 1.5;
 /// A stretch below this share of the longest is not kept.
 const LEAST_SHARE: usize = 20;
+/// A receiver without the time is further than that from it, s.
+const FAR_S: f64 = 300.0 * DAY_S;
 /// Epochs in which one that is late is looked for.
 const LOOKED_BACK: usize = 1000;
 /// Steps that are worded.
@@ -56,16 +58,17 @@ pub(super) fn keep(epochs: &mut Vec<Epoch>) -> Left {
     }
     let least = (all[longest].end - all[longest].first).div_ceil(LEAST_SHARE);
     let is_long = |stretch: &Stretch| stretch.end - stretch.first >= least;
+    let is_near = |gap_s: f64| gap_s > 0.0 && gap_s < FAR_S;
     let mut kept = vec![false; all.len()];
     kept[longest] = true;
     let (mut from, mut to) = (all[longest].from, all[longest].to);
     for (index, stretch) in all.iter().enumerate().skip(longest + 1) {
-        if is_long(stretch) && stretch.from.since(to) > 0.0 {
+        if is_long(stretch) && is_near(stretch.from.since(to)) {
             (kept[index], to) = (true, stretch.to);
         }
     }
     for (index, stretch) in all.iter().enumerate().take(longest).rev() {
-        if is_long(stretch) && from.since(stretch.to) > 0.0 {
+        if is_long(stretch) && is_near(from.since(stretch.to)) {
             (kept[index], from) = (true, stretch.from);
         }
     }

@@ -13,9 +13,10 @@ use std::path::Path;
 use flate2::read::MultiGzDecoder;
 
 use super::NavError;
-use super::replay::MAX_FILE_BYTES;
 use crate::inputs;
 
+/// The most bytes that are read of a file, unpacked.
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
 /// What a gzipped file begins with.
 pub const GZIP: [u8; 2] = [0x1F, 0x8B];
 
@@ -55,8 +56,8 @@ pub(crate) fn beginning(path: &Path, most: u64) -> Vec<u8> {
     bytes
 }
 
-/// Text as bytes of UTF-8, without a byte order mark; UTF-16 is recognised by its mark, or by the zeros of its
-/// first eight characters.
+/// Text as bytes of UTF-8, without a byte order mark; UTF-16 is recognised by its mark, or by the zeros of
+/// its first eight characters.
 pub fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     if let Some(text) = bytes.strip_prefix(b"\xEF\xBB\xBF") {
         return Cow::Borrowed(text);

@@ -1,12 +1,12 @@
 //! Tracks of GPX and KML files.
 //!
 //! **GPX**: `<trkpt lat lon>` with `<time>` and, if it is known, `<ele>`. Waypoints and routes are no track.
-//! **KML**: `<gx:Track>` with as many `<when>` as `<gx:coord>` (longitude, latitude, height), and placemarks with a
-//! `<TimeStamp><when>` and a `<Point>`. Times are ISO 8601 with or without an offset.
+//! **KML**: `<gx:Track>` with as many `<when>` as `<gx:coord>` (longitude, latitude, height), and placemarks
+//! with a `<TimeStamp><when>` and a `<Point>`. Times are ISO 8601 with or without an offset.
 //!
-//! What heights are measured from is said by the source, not by the file. A place without a time, and one that
-//! cannot be read, is left and counted; a file in which no place has a time is refused. Heights that are missing
-//! are interpolated, and steps of the clock left, as in NMEA logs. Attitudes are not read.
+//! What heights are measured from is said by the source, not by the file. A place without a time, and one
+//! that cannot be read, is left and counted; a file in which no place has a time is refused. Heights that are
+//! missing are interpolated, and steps of the clock left, as in NMEA logs. Attitudes are not read.
 //!
 //! Source: GPX 1.1 schema; OGC KML 2.2, and the extension `gx` of Google.
 

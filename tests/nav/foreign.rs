@@ -111,6 +111,16 @@ fn positions_are_of_one_talker() {
         assert!(recording.fixes.iter().all(|fix| (position_deg(fix)[2] - 342.0).abs() < 1e-9), "{order:?}");
         assert_eq!(streamed(&log).0, recording.fixes);
     }
+    // A date is taken from whoever has one.
+    let log: String = (0..20)
+        .map(|k| {
+            let other = rmc(&clock(43_200 + k), 3.0, "010524").replace("$GPRMC", "IIRMC");
+            gga(&clock(43_200 + k), 0.03 * f64::from(k)) + &sentence(&other[..other.len() - 5])
+        })
+        .collect();
+    let recording = read(&log);
+    assert_eq!(recording.fixes[19].time.to_string(), "2024-05-01T12:00:19.000000Z");
+    assert!((position_deg(&recording.fixes[19])[0] - (54.0 + 0.57 / 60.0)).abs() < 1e-9);
     // GP and GN are one receiver.
     let log: String = (0..20)
         .map(|k| {
@@ -175,8 +185,8 @@ fn the_source_gives_the_date() {
     }
 }
 
-/// Over the leap second at the end of 2016: by sentences with the label 60, and by GPS time. Before: the second
-/// was left out, and what moves at 56 m/s did 112.
+/// Over the leap second at the end of 2016: by sentences with the label 60, and by GPS time. Before: the
+/// second was left out, and what moves at 56 m/s did 112.
 #[test]
 fn motion_goes_on_over_a_leap_second() {
     let labels = (0..10).map(|k| (format!("2359{:02}", 50 + k), "311216"));

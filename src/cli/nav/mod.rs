@@ -17,7 +17,7 @@ use super::{escape, say};
 use crate::inputs;
 use crate::nav::corruption::{self, Chances, Corrupted};
 use crate::nav::inspection::{Encoding, InspectionError, Reading};
-use crate::nav::replay::MAX_FILE_BYTES;
+use crate::nav::unpacked::MAX_FILE_BYTES;
 use crate::nav::{NavError, VerticalDatum, csv};
 use crate::pipeline::control_lines;
 use crate::pipeline::playback::write_file;

@@ -2,8 +2,8 @@
 //!
 //! 28 bytes of garbage may announce 16 KiB, which take a slow line minutes. What stands meanwhile on lines of
 //! its own with a right checksum, or is a message of NovAtel that is read with a right CRC, tells that there
-//! is no such message: two sentences do, or one message with a CRC of 32 bits. Messages that carry the text of
-//! another port hold 80 bytes of it, less than that.
+//! is no such message: two sentences do, or one message with a CRC of 32 bits. Messages that carry the text
+//! of another port hold 80 bytes of it, less than that.
 //!
 //! Every byte is looked at once, however many messages seem to begin before it.
 
@@ -47,7 +47,8 @@ impl Enclosed {
     /// Whether what stands at `from..to` of the bytes held refutes that this is one message.
     pub fn refutes(&mut self, held: &[u8], from: usize, to: usize, sums: &mut novatel::Sums) -> bool {
         self.searched = self.searched.max(from);
-        // It ends where the answer is known, so that what is known later does not depend on how much had come.
+        // It ends where the answer is known, so that what is known later does not depend on how much had
+        // come.
         if self.has_refuted(from, to) {
             return true;
         }

@@ -127,7 +127,7 @@ pub struct Counts {
 const KIND_LETTERS: usize = 16;
 
 /// Kinds of messages that are not read, with how many there are: the first eight.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
 pub struct Others([([u8; KIND_LETTERS], u64); 8]);
 
 impl Others {
@@ -150,6 +150,12 @@ impl Others {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.0[0].1 == 0
+    }
+}
+
+impl fmt::Debug for Others {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}", self.to_string())
     }
 }
 

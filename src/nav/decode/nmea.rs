@@ -14,10 +14,10 @@
 //! | PASHR | time, heading true, `T`, roll, pitch, heave, standard deviations of roll, pitch, heading, two quality flags |
 //!
 //! Times are `hhmmss` with any number of decimals, read to a nanosecond from the text. The label 235960 of a
-//! leap second is a time of day of 86,400 s. Minutes of an angle are the two digits before the point, whatever
-//! zeros of the degrees are left out; below three digits and from 60 minutes on it is malformed. Years of RMC
-//! from 80 on are 19xx. Empty fields are no value; a number must be digits with at most one sign and point.
-//! Roll is right wing down, pitch nose up.
+//! leap second is a time of day of 86,400 s. Minutes of an angle are the two digits before the point,
+//! whatever zeros of the degrees are left out; below three digits and from 60 minutes on it is malformed.
+//! Years of RMC from 80 on are 19xx. Empty fields are no value; a number must be digits with at most one sign
+//! and point. Roll is right wing down, pitch nose up.
 //!
 //! Source: <https://gpsd.gitlab.io/gpsd/NMEA.html>.
 

@@ -21,12 +21,12 @@
 //! | extended status, time since the last update | u32 120, u16 124 | s |
 //!
 //! INSPVA (id 507) and INSPVAS (id 508, short header), 88 bytes: week u32 0, seconds of the week f64 4,
-//! latitude, longitude f64 12, 20, height above the ellipsoid f64 28, velocity North, East, up f64 36, 44, 52,
-//! roll, pitch, azimuth f64 60, 68, 76, status of the solution u32 84.
+//! latitude, longitude f64 12, 20, height above the ellipsoid f64 28, velocity North, East, up f64 36, 44,
+//! 52, roll, pitch, azimuth f64 60, 68, 76, status of the solution u32 84.
 //!
 //! **A header is believed** when it announces a binary message (bits 5 and 6 at 6 are 0) of a time within a
-//! week; messages that are read have one length. See [`decode`](super) for what is decoded while a long one is
-//! waited for.
+//! week; messages that are read have one length. See [`decode`](super) for what is decoded while a long one
+//! is waited for.
 //!
 //! **Angles.** The body axes of the receiver are x to the right, y ahead, z up. Roll turns about y and pitch
 //! about x, both right-handed, azimuth about z left-handed (clockwise from North): body to ENU is
