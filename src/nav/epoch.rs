@@ -22,7 +22,7 @@
 //!   minute of midnight, or of the end of a GPS week, a date that changes late or early is that of the epoch
 //!   before, and counted. With a date of the source ([`Assembler::dated`]) those of the messages are not
 //!   used.
-//! * **Leap seconds.** Time is counted on from the first date: behind a leap second it is one second ahead of
+//! * **Leap seconds.** Time is counted on from day to day: behind a leap second it is one second ahead of
 //!   UTC, so that the motion goes on steadily.
 //! * A GST of an earlier time than the open epoch is left.
 //!
@@ -204,8 +204,8 @@ pub struct Assembler {
     talker: Option<([u8; 2], i64)>,
     /// Whether midnight has passed and the date has not changed.
     lags: bool,
-    /// Leap seconds at the first date.
-    first_leap_s: Option<i64>,
+    /// Leap seconds from which time is counted on, and the day of the last epoch.
+    leap: Option<(i64, i64)>,
     counts: AssemblyCounts,
 }
 
@@ -299,7 +299,11 @@ impl Assembler {
         epoch.day = self.day(&epoch);
         if let Some(day) = epoch.day {
             let leap_s = TimeTag::new(day * DAY_S, 0.0).leap_seconds();
-            epoch.leap_s = leap_s - *self.first_leap_s.get_or_insert(leap_s);
+            // Counted on from day to day alone: what lies years before was no time.
+            let (from_s, last_day) = self.leap.unwrap_or((leap_s, day));
+            let from_s = if (day - last_day).abs() > 1 { leap_s } else { from_s };
+            self.leap = Some((from_s, day));
+            epoch.leap_s = leap_s - from_s;
             self.counts.behind_leap += u64::from(epoch.leap_s != 0);
             self.before = Some((day, epoch.time_of_day_ns));
         }

@@ -101,7 +101,10 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
     reading.keep(last);
     let counts = decoder.counts();
     if let Some(reason) = reading.no_fix(counts) {
-        let report = Box::new(reading.report(source, counts));
+        let mut report = Box::new(reading.report(source, counts));
+        if !counts.others.is_empty() {
+            report.hints.push(format!("found: {}", counts.others));
+        }
         return Err(NavError::NoFix { path: source.path.clone(), reason, report });
     }
     let report = reading.report(source, counts);
@@ -159,9 +162,6 @@ impl Reading {
     fn report(&self, source: &FileSource, counts: &Counts) -> LoadReport {
         let assembled = self.assembler.counts();
         let mut hints = Vec::new();
-        if !counts.others.is_empty() {
-            hints.push(format!("not read: {}", counts.others));
-        }
         if counts.abbreviated > 0 {
             hints.push(format!(
                 "{} lines of abbreviated ASCII logs (<NAME ...) have no checksum and are not read: log INSPVAXA or INSPVAXB",

@@ -41,7 +41,7 @@ fn a_log_without_a_date_is_refused() {
     let bytes = std::fs::read(sources::repository("tests/data/nav/plaka_700.nmea")).unwrap();
     assert_snapshot!(nmea::parse(&bytes, &source).unwrap_err(), @r#"
     plaka.nmea: no usable fix: positions have a time of day but no date: no RMC sentence, and no ZDA sentence with its date filled in; give that of the first position: date = "2024-05-01" (nereus nav: --date 2024-05-01)
-      0 fixes over 0.000 s from 700 lines, longest gap 0.000 s; 525 of other kinds skipped
+      0 fixes over 0.000 s from 700 lines, longest gap 0.000 s; 481 of other kinds skipped; 44 headings or speeds taken for the position after them; found: 44 IIVHW, 44 IIVPW, 44 IIMWV, 44 IIVWT, 44 GPWCV, 44 GPXTE, 44 IIDBT, 44 GPGSV
     "#);
 
     // The same log with a date in front is a boat under way, with positions to 0.001 minutes.
