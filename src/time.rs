@@ -120,6 +120,18 @@ impl TimeTag {
         Some(Self::new(gps_s + GPS_START_S - behind_s, seconds_of_week - whole))
     }
 
+    /// Leap seconds between 1980-01-06 and this instant: by so many seconds GPS time is ahead of UTC.
+    pub fn leap_seconds(self) -> i64 {
+        leaps().filter(|(from_s, _)| self.seconds >= *from_s).last().map_or(0, |(_, leap_s)| leap_s)
+    }
+
+    /// Whether an instant of GPS time lies within a leap second, where [`Self::from_gps`] gives the label of
+    /// the second after it.
+    pub fn is_leap_second(week: u32, seconds_of_week: f64) -> bool {
+        let gps_s = i64::from(week) * WEEK_S + seconds_of_week.floor() as i64;
+        leaps().any(|(from_s, leap_s)| from_s > GPS_START_S && gps_s + GPS_START_S - (leap_s - 1) == from_s)
+    }
+
     /// Week and second of the week of GPS time; `None` before 1980-01-06 and after week 8191.
     pub fn to_gps(self) -> Option<(u32, f64)> {
         let behind_s = leaps().filter(|(from_s, _)| self.seconds >= *from_s).last()?.1;

@@ -43,6 +43,8 @@ fuzz_target!(|bytes: &[u8]| {
             max_gap_s: 1e9,
             smoothing: Smoothing::Off,
             attitude: AttitudeSource::Level,
+            first_day: None,
+            bounds: nereus::nav::MotionBounds::SPACECRAFT,
         };
         let _ = replay::parse(bytes, &source);
     }

@@ -15,6 +15,8 @@ fuzz_target!(|bytes: &[u8]| {
         max_gap_s: 1e9,
         smoothing: Smoothing::Off,
         attitude: AttitudeSource::Recorded,
+        first_day: None,
+        bounds: nereus::nav::MotionBounds::SPACECRAFT,
     };
     if let Ok(recording) = replay::parse(bytes, &source) {
         for fix in recording.fixes {

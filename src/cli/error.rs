@@ -107,7 +107,7 @@ pub enum Refused {
     )]
     Local(PathBuf),
     /// A name without a known format of navigation.
-    #[error("{}: its name gives no format; allowed: .csv, .nmea, .inspvax, or --to", shown(.0))]
+    #[error("{}: its name gives no format; allowed: .csv, .kml, .nmea, .inspvax, or --to", shown(.0))]
     Target(PathBuf),
 }
 
@@ -161,6 +161,9 @@ macro_rules! causes {
                 /// Pulses of the run.
                 asked: u64,
             },
+            /// A recording of navigation without a track.
+            #[error("{}: no track", shown(.0))]
+            NoTrack(PathBuf),
             /// A recording that cannot be focused; what cannot be read bears its name.
             #[error("{}{source}", named(path, source))]
             Focus {
@@ -177,7 +180,7 @@ macro_rules! causes {
             pub fn exit_code(&self) -> u8 {
                 let is_wrong_input = match self {
                     Self::Output(_) | Self::Run(_) | Self::Signal(_) => false,
-                    Self::NotWhole { .. } | Self::NotComplete { .. } => false,
+                    Self::NotWhole { .. } | Self::NotComplete { .. } | Self::NoTrack(_) => false,
                     Self::Focus { .. } => true,
                     $($(#[$when])? Self::$name(error) => {
                         let is_wrong_input: fn(&$source) -> bool = $is_wrong_input;

@@ -10,6 +10,7 @@ use super::error::{At, Fault, Problem, Warning};
 use super::hint::{hint, names};
 use super::keys::{self, Absent, Key, Kind, Table};
 use super::scalars::{origin, plain_number, polarisation_pair, utc};
+use crate::nav::csv;
 use crate::nav::live::Origin;
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
@@ -368,6 +369,16 @@ impl<'a> Section<'a> {
             _ => None,
         };
         self.typed(key, node, time)
+    }
+
+    /// A day, since 1970-01-01; `None` when absent or faulty.
+    pub(super) fn date(&self, key: &'static Key) -> Option<i64> {
+        let node = self.ask(key)?;
+        let day = match &node.value {
+            Value::Text(text) | Value::Time(text) => csv::day(text),
+            _ => None,
+        };
+        self.typed(key, node, day)
     }
 
     /// A word of the key (`Err`), or an instant; `None` when absent or faulty.

@@ -16,11 +16,15 @@
 //! A receiver may also come back from somewhere else: [`MotionBounds::reset_fixes`] refused fixes in a row
 //! that agree with each other by the same two rules are believed, all of them, and the gate goes by them from
 //! then on.
+//!
+//! Fixes of a file pass the same gate ([`plausible`]). There the future is known: fewer fixes in a row than
+//! `reset_fixes` before the place is another one are refused themselves.
 
 use glam::DVec3;
+use serde::Serialize;
 
 use crate::frames::SceneFrame;
-use crate::motion::track::fit::{position, to_local_axes};
+use crate::motion::place::{position, to_local_axes};
 use crate::nav::Fix;
 use crate::nav::live::MotionBounds;
 use crate::time::TimeTag;
@@ -113,6 +117,47 @@ impl<T> MotionGate<T> {
     }
 }
 
+/// What was refused among the fixes of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Refusals {
+    /// Fixes that no platform within the bounds can have flown to.
+    pub implausible: usize,
+    /// Places that the platform cannot have reached, but stays at.
+    pub jumps: usize,
+}
+
+/// Leaves the fixes of a file that the platform cannot have flown to.
+pub(crate) fn plausible(fixes: &mut Vec<Fix>, frame: &SceneFrame, bounds: MotionBounds) -> Refusals {
+    let mut gate = MotionGate::new(*frame, bounds);
+    let mut is_kept = vec![false; fixes.len()];
+    let mut jumps = 0;
+    // Believed since the platform was elsewhere last.
+    let mut since: Vec<usize> = Vec::new();
+    for (index, fix) in fixes.iter().enumerate() {
+        match gate.judge(fix, index) {
+            Verdict::Believed(index) => {
+                is_kept[index] = true;
+                if since.len() < bounds.reset_fixes {
+                    since.push(index);
+                }
+            }
+            Verdict::Refused => {}
+            Verdict::Jumped(indices) => {
+                if since.len() < bounds.reset_fixes {
+                    since.drain(..).for_each(|index| is_kept[index] = false);
+                } else {
+                    jumps += 1;
+                }
+                indices.iter().for_each(|index| is_kept[*index] = true);
+                since = indices;
+            }
+        }
+    }
+    let mut kept = is_kept.iter();
+    fixes.retain(|_| kept.next().copied().unwrap_or(true));
+    Refusals { implausible: is_kept.iter().filter(|kept| !**kept).count(), jumps }
+}
+
 impl Known {
     /// Whether a platform within the bounds can be there.
     fn leads_to(&self, next: &Self, bounds: &MotionBounds) -> bool {
@@ -164,6 +209,27 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn wrong_fixes_of_a_file_are_left_wherever_they_stand() {
+        let frame = SceneFrame::plain(Earth::Flat);
+        for (wrong, jumps) in
+            [(vec![0], 0), (vec![20], 0), (vec![39], 0), (vec![0, 1, 2], 0), (vec![19, 20, 30], 0)]
+        {
+            let mut fixes: Vec<Fix> = (0..40)
+                .map(|k| fix(f64::from(k), 15.0 * f64::from(k) + if wrong.contains(&k) { 2e3 } else { 0.0 }))
+                .collect();
+            let bounds = MotionBounds { max_acceleration_mps2: 20.0, ..MotionBounds::SPACECRAFT };
+            let refused = plausible(&mut fixes, &frame, bounds);
+            assert_eq!(refused, Refusals { implausible: wrong.len(), jumps }, "{wrong:?}");
+            assert_eq!(fixes.len(), 40 - wrong.len());
+        }
+        // Elsewhere for good.
+        let mut fixes: Vec<Fix> =
+            (0..40).map(|k| fix(f64::from(k), if k < 20 { 0.0 } else { 1e5 })).collect();
+        assert_eq!(plausible(&mut fixes, &frame, MotionBounds::SHIP), Refusals { implausible: 0, jumps: 1 });
+        assert_eq!(fixes.len(), 40);
     }
 
     #[test]

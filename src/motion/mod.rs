@@ -19,6 +19,7 @@ pub mod gusts;
 pub mod hermite;
 #[doc(hidden)]
 pub mod outliers;
+mod place;
 #[doc(hidden)]
 pub mod pointing;
 #[doc(hidden)]

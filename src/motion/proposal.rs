@@ -6,7 +6,10 @@ use std::path::Path;
 use super::Track;
 use crate::frames::{Earth, Geodetic, SceneFrame};
 use crate::nav::inspection::{Encoding, Reading};
-use crate::nav::{AttitudeSource, FileFormat, FileSource, Fix, Place, Smoothing, VerticalDatum};
+use crate::nav::{
+    AttitudeSource, FileFormat, FileSource, Fix, MotionBounds, Place, Smoothing, VerticalDatum,
+};
+use crate::time::TimeTag;
 
 /// Acceleration that the noise of the fixes may pretend, m/s^2, before smoothing is proposed.
 const PRETENDED_MPS2: f64 = 0.5;
@@ -22,7 +25,7 @@ const TRIED: usize = 20_000;
 /// Whether a scenario must state what heights of such a recording are measured from.
 fn takes_datum(encoding: Encoding, fixes: &[Fix]) -> bool {
     let is_local = fixes.first().is_some_and(|fix| matches!(fix.place, Place::Local(_)));
-    matches!(encoding, Encoding::Csv | Encoding::Nmea) && !is_local
+    matches!(encoding, Encoding::Csv | Encoding::Nmea | Encoding::Gpx | Encoding::Kml) && !is_local
 }
 
 /// Whether the block lacks a datum, which the scenario must add: a wrong one moves the platform by tens of
@@ -40,6 +43,8 @@ pub fn block(file: &Path, encoding: Encoding, how: &Reading, fixes: &[Fix]) -> O
         Encoding::Nmea => FileFormat::Nmea,
         Encoding::Inspvax => FileFormat::Inspvax,
         Encoding::Sbet => FileFormat::Sbet { gps_week },
+        Encoding::Gpx => FileFormat::Gpx,
+        Encoding::Kml => FileFormat::Kml,
         Encoding::Pcap => return None,
     };
     let path = toml::Value::from(file.to_str()?);
@@ -53,6 +58,11 @@ pub fn block(file: &Path, encoding: Encoding, how: &Reading, fixes: &[Fix]) -> O
         Some(VerticalDatum::MeanSeaLevel) => write!(text, ", datum = \"msl\""),
         _ => Ok(()),
     };
+    if let Some(day) = how.first_day.filter(|_| encoding == Encoding::Nmea) {
+        // The day alone.
+        let midnight = TimeTag::new(day * 86_400, 0.0).to_string();
+        let _ = write!(text, ", date = \"{}\"", &midnight[..10]);
+    }
     let intervals: Vec<f64> = fixes.windows(2).map(|pair| pair[1].time.since(pair[0].time)).collect();
     let longest_s = intervals.iter().copied().fold(0.0, f64::max);
     // Millimetres of a second, so that what is printed is not below what is meant.
@@ -67,6 +77,8 @@ pub fn block(file: &Path, encoding: Encoding, how: &Reading, fixes: &[Fix]) -> O
         max_gap_s,
         smoothing: Smoothing::Off,
         attitude: AttitudeSource::Automatic,
+        first_day: how.first_day,
+        bounds: MotionBounds::SPACECRAFT,
     };
     if let Some(Smoothing::Rts { horizontal_sigma_m, vertical_sigma_m, max_acceleration_mps2 }) =
         smoothing(fixes, &intervals, &source)

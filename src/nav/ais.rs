@@ -29,7 +29,7 @@ use ::csv::ByteRecord;
 
 use super::csv::{line_of, read_iso, read_number, reader_of};
 use super::faults::{FaultKind, Faults, NavError};
-use super::replay::read_bytes;
+use super::unpacked;
 use crate::nav::recording::MAX_FIXES;
 use crate::time::TimeTag;
 use crate::units::KNOT_MPS;
@@ -66,7 +66,8 @@ pub struct Report {
 /// # Errors
 /// A file that cannot be read, and all faults of its lines.
 pub fn load(path: &Path) -> Result<Vec<Report>, NavError> {
-    parse(&read_bytes(path)?).map_err(|faults| NavError::Faulty { path: path.to_owned(), faults })
+    parse(&unpacked::utf8(&unpacked::read(path)?))
+        .map_err(|faults| NavError::Faulty { path: path.to_owned(), faults })
 }
 
 /// Reads the reports in the bytes of a log.

@@ -165,14 +165,11 @@ impl Completer {
         if self.dated {
             return self.order(epoch, see);
         }
-        let Some(mut day) = epoch.day else { return self.wait_for_date(epoch) };
-        self.dated = true;
-        let mut later_ns = epoch.time_of_day_ns;
-        for earlier in self.undated.iter_mut().rev() {
-            day -= i64::from(earlier.time_of_day_ns - later_ns > DAY_NS / 2);
-            earlier.day = Some(day);
-            later_ns = earlier.time_of_day_ns;
+        if epoch.day.is_none() {
+            return self.wait_for_date(epoch);
         }
+        self.dated = true;
+        date_backwards(self.undated.iter_mut().rev(), &epoch);
         for earlier in std::mem::take(&mut self.undated) {
             self.order(earlier, see);
         }
@@ -351,6 +348,17 @@ impl Completer {
                 see(Reported::Fix(fix));
             }
         }
+    }
+}
+
+/// Dates epochs, the latest first, by the first one with a date, which follows them.
+pub(super) fn date_backwards<'a>(earlier: impl Iterator<Item = &'a mut Epoch>, dated: &Epoch) {
+    let Some(mut day) = dated.day else { return };
+    let mut later_ns = dated.time_of_day_ns;
+    for earlier in earlier {
+        day -= i64::from(earlier.time_of_day_ns - later_ns > DAY_NS / 2);
+        earlier.day = Some(day);
+        later_ns = earlier.time_of_day_ns;
     }
 }
 

@@ -4,7 +4,7 @@
 //!
 //! | columns | meaning |
 //! | --- | --- |
-//! | `time_utc` | ISO 8601 UTC, `2018-05-30T18:40:00.25Z` (the `Z` may be missing, other zones are refused) |
+//! | `time_utc` | ISO 8601 UTC, `2018-05-30T18:40:00.25Z` (the `Z` may be missing; an offset such as `+02:00` is taken off) |
 //! | `unix_s` | instead of it: UTC seconds since 1970-01-01 without leap seconds, decimal |
 //! | `lat_deg`, `lon_deg`, `height_m` | WGS-84 position; what the height is measured from is set by [`VerticalDatum`](super::VerticalDatum) of the source, not by the file |
 //! | `x_m`, `y_m`, `z_m` | instead of them: East, North, up in the scene frame; needs no origin, and the datum is not used |
@@ -16,7 +16,7 @@
 //! their lines; times must increase and no gap may be longer than `max_gap_s`. Fields are never quoted.
 //!
 //! ```
-//! use nereus::nav::{AttitudeSource, FileFormat, FileSource, Smoothing, VerticalDatum, csv};
+//! use nereus::nav::{AttitudeSource, FileFormat, FileSource, MotionBounds, Smoothing, VerticalDatum, csv};
 //!
 //! let source = FileSource {
 //!     path: "track.csv".into(),
@@ -26,6 +26,8 @@
 //!     max_gap_s: 5.0,
 //!     smoothing: Smoothing::Off,
 //!     attitude: AttitudeSource::Level,
+//!     first_day: None,
+//!     bounds: MotionBounds::SPACECRAFT,
 //! };
 //! let text = "# a comment\ntime_utc,lat_deg,lon_deg,height_m\n\
 //!             2018-05-30T18:40:00Z,53.1,4.6,4267\n2018-05-30T18:40:01Z,53.101,4.6,4267\n";
@@ -34,16 +36,14 @@
 //! # Ok::<(), nereus::nav::NavError>(())
 //! ```
 
-use std::io::Read;
 use std::path::Path;
 
 use ::csv::{ByteRecord, Reader, ReaderBuilder, Trim};
 
 use super::faults::{FaultKind, Faults, NavError, quote};
 use super::recording;
-use super::{FileSource, Fix, Place};
+use super::{FileSource, Fix, Place, unpacked};
 use crate::frames::{Geodetic, Point};
-use crate::inputs;
 use crate::nav::load_report::LoadReport;
 use crate::nav::recording::{MAX_FIXES, Recording};
 use crate::time::TimeTag;
@@ -125,12 +125,11 @@ pub fn parse(bytes: &[u8], source: &FileSource) -> Result<Recording, NavError> {
 
 /// Whether the header of a CSV track names latitudes or longitudes; no if it cannot be read.
 pub fn is_geodetic(path: &Path) -> bool {
-    let mut bytes = Vec::new();
-    let head = inputs::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut bytes));
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    let mut reader = reader_of(bytes);
+    let bytes = unpacked::beginning(path, HEAD_BYTES);
+    let bytes = unpacked::utf8(&bytes);
+    let mut reader = reader_of(&bytes);
     let mut header = ByteRecord::new();
-    while head.is_ok() && matches!(reader.read_byte_record(&mut header), Ok(true)) {
+    while matches!(reader.read_byte_record(&mut header), Ok(true)) {
         if header.len() != 1 || !header[0].is_empty() {
             return header.iter().any(|name| matches!(name, b"lat_deg" | b"lon_deg"));
         }
@@ -194,6 +193,9 @@ impl Layout {
         let before = faults.count();
         for (index, name) in header.iter().enumerate() {
             match COLUMNS.iter().position(|known| known.as_bytes() == name) {
+                None if name.is_empty() => {
+                    faults.push(line, FaultKind::UnnamedColumn { number: index + 1 });
+                }
                 None => {
                     faults.push(line, FaultKind::UnknownColumn { name: quote(name), allowed: ALLOWED });
                 }
@@ -311,7 +313,7 @@ pub(super) fn read_number(
 
 pub(super) fn read_iso(field: &[u8], column: &'static str) -> Result<TimeTag, FaultKind> {
     let bad = || FaultKind::NotATime { column, text: quote(field), example: "2018-05-30T18:40:00.25Z" };
-    // The shape is checked here, so that a zone such as +02:00 is refused and not passed over.
+    // The shape is checked here, so that nothing is passed over.
     let shape = b"dddd-dd-ddTdd:dd:dd";
     let well_formed = field.len() >= shape.len()
         && field.iter().zip(shape).all(|(&byte, &want)| match want {
@@ -323,14 +325,38 @@ pub(super) fn read_iso(field: &[u8], column: &'static str) -> Result<TimeTag, Fa
         return Err(bad());
     }
     let rest = &field[shape.len()..];
-    let rest = rest.strip_suffix(b"Z").unwrap_or(rest);
+    let (rest, ahead_s) = match rest {
+        [rest @ .., b'Z' | b'z'] => (rest, 0),
+        [rest @ .., sign @ (b'+' | b'-'), h1, h2, b':', m1, m2]
+        | [rest @ .., sign @ (b'+' | b'-'), h1, h2, m1, m2] => {
+            let figure = |tens: &u8, ones: &u8| match (tens, ones) {
+                (b'0'..=b'9', b'0'..=b'9') => Some(i64::from(10 * (tens - b'0') + (ones - b'0'))),
+                _ => None,
+            };
+            let (hours, minutes) = figure(h1, h2).zip(figure(m1, m2)).ok_or_else(bad)?;
+            let ahead_s = 3600 * hours + 60 * minutes;
+            (rest, if *sign == b'-' { -ahead_s } else { ahead_s })
+        }
+        rest => (rest, 0),
+    };
     let fraction_ok = match rest.split_first() {
         None => true,
         Some((b'.', digits)) => !digits.is_empty() && digits.iter().all(u8::is_ascii_digit),
         Some(_) => false,
     };
-    let text = std::str::from_utf8(field).ok().filter(|_| fraction_ok).ok_or_else(bad)?;
-    TimeTag::from_iso8601(&text.replacen(' ', "T", 1)).map_err(|_| bad())
+    let utc = &field[..shape.len() + rest.len()];
+    let text = std::str::from_utf8(utc).ok().filter(|_| fraction_ok).ok_or_else(bad)?;
+    let time = TimeTag::from_iso8601(&text.replacen(' ', "T", 1)).map_err(|_| bad())?;
+    Ok(TimeTag::new(time.seconds() - ahead_s, time.fraction_s()))
+}
+
+/// Days since 1970-01-01 of a date such as `2024-05-01`.
+pub fn day(date: &str) -> Option<i64> {
+    if date.len() != 10 {
+        return None;
+    }
+    let midnight = read_iso(format!("{date}T00:00:00").as_bytes(), "date").ok()?;
+    Some(midnight.seconds().div_euclid(86_400))
 }
 
 fn read_unix(field: &[u8]) -> Result<TimeTag, FaultKind> {

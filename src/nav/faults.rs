@@ -61,15 +61,16 @@ pub enum NoFix {
     #[error("no line is an NMEA 0183 sentence with a right checksum")]
     NoSentence,
     /// Sentences, but none with a valid position and time.
-    #[error("no GGA, RMC or GLL sentence has a valid position and a time of day")]
+    #[error("no GGA, GNS, RMC or GLL sentence has a valid position and a time of day")]
     NoPosition,
     /// Positions with a time of day, but no date.
     #[error(
-        "positions have a time of day but no date: no RMC sentence, and no ZDA sentence with its date filled in"
+        "positions have a time of day but no date: no RMC sentence, and no ZDA sentence with its date filled in; \
+         give that of the first position: date = \"2024-05-01\" (nereus nav: --date 2024-05-01)"
     )]
     NoDate,
     /// Nothing in the file is an INSPVAX with a solution.
-    #[error("no INSPVAX message has a right checksum and a solution")]
+    #[error("no INSPVAX, INSPVA or INSPVAS message has a right checksum and a solution")]
     NoInspvax,
 }
 
@@ -165,6 +166,15 @@ pub enum FaultKind {
         name: String,
         /// The columns that exist.
         allowed: &'static str,
+    },
+    /// A column without a name.
+    #[error(
+        "column {number} has no name, as the index of a data frame; allowed: named columns alone \
+         (pandas: to_csv(..., index=False))"
+    )]
+    UnnamedColumn {
+        /// Its number, from 1.
+        number: usize,
     },
     /// A column given twice.
     #[error("column '{name}' is given twice")]
@@ -279,6 +289,45 @@ pub enum FaultKind {
         found: usize,
         /// Bytes of a record.
         needed: usize,
+    },
+    /// Records of the other byte order.
+    #[error(
+        "the records are big-endian; an SBET is little-endian: reverse the bytes of every f64 \
+         (numpy: np.fromfile(path, '>f8').astype('<f8').tofile(out))"
+    )]
+    BigEndian,
+    /// Records in degrees.
+    #[error(
+        "latitudes and longitudes are in degrees ({lat}, {lon}); an SBET has radians: multiply fields 2 and 3 \
+         of each record by pi/180, and check its angles"
+    )]
+    Degrees {
+        /// Latitude of the first record, as read.
+        lat: f64,
+        /// Its longitude.
+        lon: f64,
+    },
+    /// Text that is no XML.
+    #[error("this is no XML that can be read: {error}")]
+    Xml {
+        /// What the reader says.
+        error: String,
+    },
+    /// Places without times.
+    #[error("{places} places have no time; allowed: {allowed}")]
+    Timeless {
+        /// How many.
+        places: u64,
+        /// Where times must stand.
+        allowed: &'static str,
+    },
+    /// Lists that should be of one length.
+    #[error("{whens} <when> and {places} <gx:coord>; allowed: as many of the one as of the other")]
+    Unpaired {
+        /// Times.
+        whens: usize,
+        /// Places.
+        places: usize,
     },
     /// No header at all.
     #[error("the file is empty; needed: a header line and fixes")]

@@ -7,12 +7,13 @@ use thiserror::Error;
 
 use super::decode::{Content, Counts, Decoder, Message};
 use super::pcap::{self, CaptureError};
-use super::replay::{self, read_bytes};
 use super::{
-    AttitudeSource, FileFormat, FileSource, Fix, NavError, Place, Recording, Smoothing, VerticalDatum,
+    AttitudeSource, FileFormat, FileSource, Fix, MotionBounds, NavError, Place, Recording, Smoothing,
+    VerticalDatum, replay, unpacked,
 };
 use crate::frames::Geodetic;
 use crate::inputs::shown;
+use crate::nav::load_report::LoadReport;
 
 /// An interval is a gap when it is longer than so many of the usual ones.
 const GAP_INTERVALS: f64 = 1.5;
@@ -30,6 +31,10 @@ pub enum Encoding {
     Inspvax,
     /// Smoothed best estimate of trajectory.
     Sbet,
+    /// GPX.
+    Gpx,
+    /// KML.
+    Kml,
     /// Capture of a receiver's messages on a network.
     Pcap,
 }
@@ -42,6 +47,8 @@ impl Encoding {
             Self::Nmea => "nmea",
             Self::Inspvax => "inspvax",
             Self::Sbet => "sbet",
+            Self::Gpx => "gpx",
+            Self::Kml => "kml",
             Self::Pcap => "pcap",
         }
     }
@@ -58,6 +65,8 @@ pub struct Reading {
     pub datum: Option<VerticalDatum>,
     /// Height of mean sea level above the ellipsoid, m.
     pub undulation_m: f64,
+    /// The day of the first fix of a log (since 1970-01-01), in place of its dates.
+    pub first_day: Option<i64>,
 }
 
 /// Why a recording cannot be inspected.
@@ -105,7 +114,10 @@ pub struct Captured {
 }
 
 /// Kinds of messages, by name.
-pub const KINDS: [&str; 9] = ["GGA", "RMC", "GLL", "VTG", "HDT", "ZDA", "GST", "PASHR", "INSPVAX"];
+pub const KINDS: [&str; 12] =
+    ["GGA", "GNS", "RMC", "GLL", "VTG", "HDT", "THS", "ZDA", "GST", "PASHR", "INSPVAX", "INSPVA"];
+/// Kinds of NovAtel receivers among them.
+const NOVATEL: std::ops::Range<usize> = 10..12;
 
 /// What was read.
 #[derive(Debug)]
@@ -127,14 +139,17 @@ fn count(bytes: &[u8]) -> (Counts, [u64; KINDS.len()]) {
     let mut see = |message: Message| {
         let kind = match message.content {
             Content::Gga(_) => 0,
-            Content::Rmc(_) => 1,
-            Content::Gll(_) => 2,
-            Content::Vtg(_) => 3,
-            Content::Hdt(_) => 4,
-            Content::Zda(_) => 5,
-            Content::Gst(_) => 6,
-            Content::Pashr(_) => 7,
-            Content::Inspvax(_) => 8,
+            Content::Gns(_) => 1,
+            Content::Rmc(_) => 2,
+            Content::Gll(_) => 3,
+            Content::Vtg(_) => 4,
+            Content::Hdt(_) => 5,
+            Content::Ths(_) => 6,
+            Content::Zda(_) => 7,
+            Content::Gst(_) => 8,
+            Content::Pashr(_) => 9,
+            Content::Inspvax(_) => 10,
+            Content::Inspva(_) => 11,
         };
         kinds[kind] += 1;
     };
@@ -145,27 +160,39 @@ fn count(bytes: &[u8]) -> (Counts, [u64; KINDS.len()]) {
 
 /// The format of a file from its first bytes and its name.
 fn sniffed(bytes: &[u8], path: &Path) -> Encoding {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let is_pcap = [
-        [0xD4, 0xC3, 0xB2, 0xA1],
-        [0xA1, 0xB2, 0xC3, 0xD4],
-        [0x4D, 0x3C, 0xB2, 0xA1],
-        [0xA1, 0xB2, 0x3C, 0x4D],
-    ]
-    .iter()
-    .any(|magic| bytes.starts_with(magic));
-    if is_pcap || bytes.starts_with(&[0x1F, 0x8B]) {
+    // Of a gzipped file the name before `.gz` counts.
+    let ending = |path: &Path| path.extension().unwrap_or_default().to_ascii_lowercase();
+    let stem = Path::new(path.file_stem().unwrap_or_default());
+    let extension = if ending(path) == "gz" { ending(stem) } else { ending(path) };
+    if pcap::is_capture(bytes) {
         return Encoding::Pcap;
     }
-    if extension == "sbet" || extension == "out" {
-        return Encoding::Sbet;
-    }
-    if extension == "csv" {
-        return Encoding::Csv;
+    let endings = [
+        ("sbet", Encoding::Sbet),
+        ("out", Encoding::Sbet),
+        ("csv", Encoding::Csv),
+        ("gpx", Encoding::Gpx),
+        ("kml", Encoding::Kml),
+    ];
+    if let Some((_, encoding)) = endings.into_iter().find(|(ending, _)| extension == *ending) {
+        return encoding;
     }
     // The beginning decides; a megabyte holds many messages.
-    let (_, kinds) = count(&bytes[..bytes.len().min(1 << 20)]);
-    if kinds[8] > 0 { Encoding::Inspvax } else { Encoding::Nmea }
+    let begin = unpacked::utf8(&bytes[..bytes.len().min(1 << 20)]);
+    let holds = |tag: &[u8]| begin.windows(tag.len()).take(1 << 12).any(|bytes| bytes == tag);
+    if begin.trim_ascii_start().starts_with(b"<") && holds(b"<gpx") {
+        return Encoding::Gpx;
+    }
+    if begin.trim_ascii_start().starts_with(b"<") && holds(b"<kml") {
+        return Encoding::Kml;
+    }
+    let (_, kinds) = count(&begin);
+    if has_novatel(&kinds) { Encoding::Inspvax } else { Encoding::Nmea }
+}
+
+/// Whether messages of NovAtel receivers are among those of each kind.
+fn has_novatel(kinds: &[u64; KINDS.len()]) -> bool {
+    kinds[NOVATEL].iter().any(|count| *count > 0)
 }
 
 impl Recorded {
@@ -174,7 +201,7 @@ impl Recorded {
     /// # Errors
     /// Files that cannot be read, an SBET without its week, a capture without navigation.
     pub fn read(path: &Path, how: &Reading) -> Result<Self, InspectionError> {
-        let bytes = read_bytes(path)?;
+        let bytes = unpacked::read(path)?;
         let encoding = how.encoding.unwrap_or_else(|| sniffed(&bytes, path));
         let source = |format| FileSource {
             path: path.to_owned(),
@@ -184,7 +211,10 @@ impl Recorded {
             max_gap_s: f64::INFINITY,
             smoothing: Smoothing::Off,
             attitude: AttitudeSource::Level,
+            first_day: how.first_day,
+            bounds: MotionBounds::SPACECRAFT,
         };
+        let messages = || Some(count(&unpacked::utf8(&bytes)));
         let whole = |messages, of| Self {
             encoding,
             bytes: bytes.len(),
@@ -194,8 +224,10 @@ impl Recorded {
         };
         Ok(match encoding {
             Encoding::Csv => whole(None, FileFormat::Csv),
-            Encoding::Nmea => whole(Some(count(&bytes)), FileFormat::Nmea),
-            Encoding::Inspvax => whole(Some(count(&bytes)), FileFormat::Inspvax),
+            Encoding::Nmea => whole(messages(), FileFormat::Nmea),
+            Encoding::Inspvax => whole(messages(), FileFormat::Inspvax),
+            Encoding::Gpx => whole(None, FileFormat::Gpx),
+            Encoding::Kml => whole(None, FileFormat::Kml),
             Encoding::Sbet => {
                 let gps_week = how.gps_week.ok_or_else(|| InspectionError::Week { path: path.to_owned() })?;
                 whole(None, FileFormat::Sbet { gps_week })
@@ -209,7 +241,7 @@ impl Recorded {
                 let Some(((counts, kinds), stream)) = best.filter(|((counts, _), _)| counts.good > 0) else {
                     return Err(InspectionError::Silent { path: path.to_owned() });
                 };
-                let of = if kinds[8] > 0 { FileFormat::Inspvax } else { FileFormat::Nmea };
+                let of = if has_novatel(&kinds) { FileFormat::Inspvax } else { FileFormat::Nmea };
                 Self {
                     encoding,
                     bytes: stream.bytes.len(),
@@ -248,12 +280,8 @@ pub struct TrackFigures {
     pub gaps: usize,
     /// Begin and length of the longest, at most ten.
     pub gaps_s: Vec<(String, f64)>,
-    /// Fixes out of order, left out.
-    pub out_of_order: u64,
-    /// Heights filled in.
-    pub heights_filled: u64,
-    /// Headings filled in.
-    pub headings_filled: u64,
+    /// What was left out, filled in and set right.
+    pub read: LoadReport,
     /// Least and greatest latitude, degrees.
     pub lat_deg: Option<[f64; 2]>,
     /// Least and greatest longitude, degrees.
@@ -327,9 +355,7 @@ impl TrackFigures {
                 .take(MOST_GAPS)
                 .map(|(index, h)| (fixes[*index].time.to_string(), *h))
                 .collect(),
-            out_of_order: read.out_of_order,
-            heights_filled: read.heights_filled,
-            headings_filled: read.headings_filled,
+            read: read.clone(),
             lat_deg: geodetic(|place| place.lat_rad.to_degrees()),
             lon_deg: geodetic(|place| place.lon_rad.to_degrees()),
             height_m: range(fixes.iter().map(|fix| match &fix.place {

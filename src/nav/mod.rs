@@ -2,15 +2,17 @@
 //!
 //! [`load`] is the one way from a file to fixes: it reads the file that a [`FileSource`] names, in the format
 //! that it names, and hands back every usable [`Fix`] in time order with a [`LoadReport`]. Formats: [`csv`]
-//! (documented columns), [`nmea`] (NMEA 0183 logs), [`inspvax`] (logs of NovAtel receivers) and [`sbet`]
-//! (post-processed trajectories). What becomes of the fixes is the business of `motion::track`. Reports of
-//! other vessels are read by [`ais`].
+//! (documented columns), [`nmea`] (NMEA 0183 logs and those of NovAtel receivers), [`sbet`] (post-processed
+//! trajectories) and [`xml`] (GPX and KML). What becomes of the fixes is the business of `motion::track`.
+//! Reports of other vessels are read by [`ais`].
 //!
 //! Bytes of a receiver go through [`decode`], [`epoch`] and [`completion`], which know no files: [`live`]
 //! reads them while a run goes on. [`encode`] writes what a receiver would send of a [`solution`].
 
 #[doc(hidden)]
 pub mod ais;
+#[doc(hidden)]
+pub mod alternation;
 #[doc(hidden)]
 pub mod completion;
 #[doc(hidden)]
@@ -28,8 +30,6 @@ pub mod faults;
 #[doc(hidden)]
 pub mod inspection;
 #[doc(hidden)]
-pub mod inspvax;
-#[doc(hidden)]
 pub mod live;
 #[doc(hidden)]
 pub mod load_report;
@@ -45,6 +45,12 @@ pub mod replay;
 pub mod sbet;
 #[doc(hidden)]
 pub mod solution;
+#[doc(hidden)]
+pub mod stretches;
+#[doc(hidden)]
+pub mod unpacked;
+#[doc(hidden)]
+pub mod xml;
 
 use std::path::PathBuf;
 
@@ -110,6 +116,10 @@ pub struct FileSource {
     pub smoothing: Smoothing,
     /// Where the attitude comes from.
     pub attitude: AttitudeSource,
+    /// NMEA: the day of the first fix (since 1970-01-01), in place of the dates of the file.
+    pub first_day: Option<i64>,
+    /// How the platform can move: single fixes that ask for more are left.
+    pub bounds: MotionBounds,
 }
 
 /// Format of a track file.
@@ -120,8 +130,12 @@ pub enum FileFormat {
     Csv,
     /// NMEA 0183 log.
     Nmea,
-    /// NovAtel INSPVAX, ASCII or binary, see `nav::inspvax`.
+    /// NovAtel INSPVAX, INSPVA and INSPVAS, ASCII or binary, see `nav::nmea`.
     Inspvax,
+    /// GPX, see `nav::xml`.
+    Gpx,
+    /// KML, see `nav::xml`.
+    Kml,
     /// Smoothed best estimate of trajectory, see `nav::sbet`.
     Sbet {
         /// GPS week of the first record.

@@ -1,11 +1,12 @@
 //! Captures of network traffic: the byte streams that were carried.
 //!
 //! Receivers send over TCP or UDP, and captures of that (`tcpdump -w`) are how many recordings are kept. What
-//! is read: classic pcap of either byte order, with micro- or nanoseconds, gzipped or not; Ethernet (with
-//! VLAN tags), Linux "cooked", BSD loopback and raw IP; IPv4 and IPv6; TCP and UDP. Each direction of each
-//! connection is a [`Stream`]: UDP datagrams as they came, TCP in the order of its sequence numbers, what was
-//! sent twice left out, what is missing counted. Packets of other kinds, cut ones and fragments are counted
-//! and left.
+//! is read: pcap of either byte order, with micro- or nanoseconds, and pcapng; Ethernet (with VLAN tags),
+//! Linux "cooked", BSD loopback and raw IP; IPv4 and IPv6; TCP and UDP. Each direction of each connection is
+//! a [`Stream`]: UDP datagrams as they came, TCP in the order of its sequence numbers, what was sent twice
+//! left out, what is missing counted. Packets of other kinds and fragments are counted and left. An IP packet
+//! of length 0, as the sending host captures it before its network card cuts it, reaches to the end of its
+//! frame.
 //!
 //! Sequence numbers wrap; they are unwrapped to the nearest of the packet before (within 2 GiB).
 //!
@@ -16,16 +17,16 @@
 //!
 //! Source: <https://www.ietf.org/archive/id/draft-gharris-opsawg-pcap-01.html>, RFC 791, 8200, 9293, 768.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
-use std::io::Read;
+use std::net::IpAddr;
 use std::path::Path;
 
-use flate2::read::MultiGzDecoder;
+use etherparse::{EtherType, LaxNetSlice, LaxSlicedPacket, TransportSlice};
+use pcap_parser::pcap::{parse_pcap_frame, parse_pcap_frame_be, parse_pcap_header};
+use pcap_parser::{Block, PcapBlockOwned, PcapNGSlice};
 use thiserror::Error;
 
-use super::NavError;
-use super::replay::{MAX_FILE_BYTES, read_bytes};
+use super::{NavError, unpacked};
 
 /// Most streams of a capture that are kept apart.
 pub const MAX_STREAMS: usize = 1024;
@@ -62,7 +63,7 @@ pub enum CaptureError {
     #[error(transparent)]
     File(#[from] NavError),
     /// Something else.
-    #[error("this is no capture: it begins with {found}; allowed: pcap (not pcapng), gzipped or not")]
+    #[error("this is no capture: it begins with {found}; allowed: pcap or pcapng, gzipped or not")]
     NotPcap {
         /// The first four bytes.
         found: String,
@@ -75,15 +76,6 @@ pub enum CaptureError {
         /// Its number.
         found: u32,
     },
-    /// Broken compression, or too much of it.
-    #[error("gzip: {0}")]
-    Gzip(#[source] std::io::Error),
-    /// More than is read.
-    #[error("larger than {allowed_bytes} bytes; cut the stretch that is needed")]
-    TooLarge {
-        /// The most that is read.
-        allowed_bytes: u64,
-    },
 }
 
 /// Reads the capture in a file.
@@ -91,7 +83,7 @@ pub enum CaptureError {
 /// # Errors
 /// A file that cannot be read, or is no capture.
 pub fn load(path: &Path) -> Result<Capture, CaptureError> {
-    parse(&read_bytes(path)?)
+    parse(&unpacked::read(path)?)
 }
 
 /// Reads the capture in some bytes.
@@ -99,98 +91,97 @@ pub fn load(path: &Path) -> Result<Capture, CaptureError> {
 /// # Errors
 /// Bytes that are no capture.
 pub fn parse(bytes: &[u8]) -> Result<Capture, CaptureError> {
-    let bytes = unpacked(bytes)?;
-    let reader = Reader::of(&bytes)?;
     let mut capture = Capture::default();
     let mut flows = Flows::default();
-    let mut rest = bytes.get(24..).unwrap_or_default();
-    while let Some((packet, after)) = reader.packet(rest) {
-        rest = after;
+    let mut take = |link: i32, packet| {
         capture.packets += 1;
-        if reader.network(packet).and_then(segment).is_none_or(|segment| !flows.take(segment)) {
+        if segment(link, packet).is_none_or(|segment| !flows.take(segment)) {
             capture.left += 1;
         }
+    };
+    let mut links: Vec<i32> = Vec::new();
+    let mut is_whole = true;
+    for block in blocks(bytes)? {
+        match block {
+            Ok(PcapBlockOwned::LegacyHeader(header)) => links = vec![known(header.network.0)?],
+            Ok(PcapBlockOwned::Legacy(block)) => take(links.first().copied().unwrap_or_default(), block.data),
+            Ok(PcapBlockOwned::NG(Block::SectionHeader(_))) => links.clear(),
+            Ok(PcapBlockOwned::NG(Block::InterfaceDescription(interface))) => {
+                links.push(known(interface.linktype.0)?)
+            }
+            Ok(PcapBlockOwned::NG(Block::EnhancedPacket(block))) => {
+                let link = usize::try_from(block.if_id).ok().and_then(|id| links.get(id));
+                // Behind the packet stand up to three bytes to the end of a word.
+                let length = usize::try_from(block.caplen).unwrap_or(usize::MAX).min(block.data.len());
+                take(link.copied().unwrap_or_default(), &block.data[..length]);
+            }
+            Ok(PcapBlockOwned::NG(Block::SimplePacket(block))) => {
+                let length = usize::try_from(block.origlen).unwrap_or(usize::MAX).min(block.data.len());
+                take(links.first().copied().unwrap_or_default(), &block.data[..length]);
+            }
+            Ok(PcapBlockOwned::NG(_)) => {}
+            // The last packet is not whole.
+            Err(_) => {
+                is_whole = false;
+                break;
+            }
+        }
     }
-    // A last packet that is not whole.
-    capture.left += u64::from(!rest.is_empty());
+    capture.left += u64::from(!is_whole);
     capture.streams = flows.streams();
     Ok(capture)
 }
 
-/// The bytes of a gzipped file, or those of any other as they are.
-pub(super) fn unpacked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, CaptureError> {
-    if !bytes.starts_with(&[0x1F, 0x8B]) {
-        return Ok(Cow::Borrowed(bytes));
-    }
-    let mut unpacked = Vec::new();
-    let mut reader = MultiGzDecoder::new(bytes).take(MAX_FILE_BYTES + 1);
-    reader.read_to_end(&mut unpacked).map_err(CaptureError::Gzip)?;
-    if unpacked.len() as u64 > MAX_FILE_BYTES {
-        return Err(CaptureError::TooLarge { allowed_bytes: MAX_FILE_BYTES });
-    }
-    Ok(Cow::Owned(unpacked))
-}
+/// Blocks of a capture; the first error ends them.
+type Blocks<'a> = Box<dyn Iterator<Item = Result<PcapBlockOwned<'a>, ()>> + 'a>;
 
-/// How the numbers of this capture are read.
-struct Reader {
-    little: bool,
-    link: u32,
-}
-
-impl Reader {
-    fn of(bytes: &[u8]) -> Result<Self, CaptureError> {
-        let little = match bytes.get(..4) {
-            Some([0xD4, 0xC3, 0xB2, 0xA1] | [0x4D, 0x3C, 0xB2, 0xA1]) => true,
-            Some([0xA1, 0xB2, 0xC3, 0xD4] | [0xA1, 0xB2, 0x3C, 0x4D]) => false,
-            other => {
-                let found = other.map_or("too few bytes".to_owned(), |found| format!("{found:02X?}"));
-                return Err(CaptureError::NotPcap { found });
-            }
-        };
-        let mut reader = Self { little, link: 0 };
-        let found = bytes.get(20..24).map_or(u32::MAX, |bytes| reader.number(bytes)) & 0xFFFF;
-        if ![0, 1, 12, 101, 108, 113, 228, 229].contains(&found) {
-            return Err(CaptureError::Link { found });
+fn blocks(bytes: &[u8]) -> Result<Blocks<'_>, CaptureError> {
+    let found = || bytes.get(..4).map_or("too few bytes".to_owned(), |found| format!("{found:02X?}"));
+    if is_capture(bytes) {
+        if bytes.starts_with(&[0x0A, 0x0D, 0x0D, 0x0A])
+            && let Ok(slice) = PcapNGSlice::from_slice(bytes)
+        {
+            return Ok(Box::new(slice.map(|block| block.map_err(|_| ()))));
         }
-        reader.link = found;
-        Ok(reader)
-    }
-
-    fn number(&self, bytes: &[u8]) -> u32 {
-        let bytes = std::array::from_fn(|i| bytes[i]);
-        if self.little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) }
-    }
-
-    /// The next packet and what follows it; `None` at the end.
-    fn packet<'a>(&self, rest: &'a [u8]) -> Option<(&'a [u8], &'a [u8])> {
-        let length = self.number(rest.get(8..12)?) as usize;
-        rest.get(16..)?.split_at_checked(length)
-    }
-
-    /// The IP packet in a packet of the link layer.
-    fn network<'a>(&self, packet: &'a [u8]) -> Option<&'a [u8]> {
-        let of_ip = |kind: u16| kind == 0x0800 || kind == 0x86DD;
-        match self.link {
-            0 | 108 => packet.get(4..),
-            1 => {
-                let mut at = 12;
-                while matches!(big_u16(packet, at)?, 0x8100 | 0x88A8) {
-                    at += 4;
+        if let Ok((mut rest, header)) = parse_pcap_header(bytes) {
+            let frame = if header.is_bigendian() { parse_pcap_frame_be } else { parse_pcap_frame };
+            let first = Ok(PcapBlockOwned::LegacyHeader(header));
+            let frames = std::iter::from_fn(move || {
+                if rest.is_empty() {
+                    return None;
                 }
-                packet.get(at + 2..).filter(|_| big_u16(packet, at).is_some_and(of_ip))
-            }
-            113 => packet.get(16..).filter(|_| big_u16(packet, 14).is_some_and(of_ip)),
-            _ => Some(packet),
+                let (after, block) = match frame(rest) {
+                    Ok(found) => found,
+                    Err(_) => return Some(Err(())),
+                };
+                rest = after;
+                Some(Ok(PcapBlockOwned::Legacy(block)))
+            });
+            return Ok(Box::new(std::iter::once(first).chain(frames)));
         }
     }
+    Err(CaptureError::NotPcap { found: found() })
 }
 
-fn big_u16(bytes: &[u8], at: usize) -> Option<u16> {
-    Some(u16::from_be_bytes([*bytes.get(at)?, *bytes.get(at + 1)?]))
+/// Whether a file begins as a capture does.
+pub(super) fn is_capture(bytes: &[u8]) -> bool {
+    let magics = [0xA1B2_C3D4_u32, 0xA1B2_3C4D];
+    let is_magic = |word: [u8; 4]| {
+        magics.contains(&u32::from_le_bytes(word))
+            || magics.contains(&u32::from_be_bytes(word))
+            || word == [0x0A, 0x0D, 0x0D, 0x0A]
+    };
+    bytes.first_chunk().is_some_and(|word| is_magic(*word))
 }
 
-fn big_u32(bytes: &[u8], at: usize) -> Option<u32> {
-    Some(u32::from(big_u16(bytes, at)?) << 16 | u32::from(big_u16(bytes, at + 2)?))
+/// A link layer, if it is read.
+fn known(link: i32) -> Result<i32, CaptureError> {
+    // What stands above 16 bits tells of check sequences.
+    let found = link & 0xFFFF;
+    if ![0, 1, 12, 101, 108, 113, 228, 229].contains(&found) {
+        return Err(CaptureError::Link { found: found.unsigned_abs() });
+    }
+    Ok(found)
 }
 
 /// Which direction of which connection.
@@ -209,42 +200,35 @@ struct Segment<'a> {
     payload: &'a [u8],
 }
 
-/// The TCP or UDP segment of an IP packet; `None` for others.
-fn segment(packet: &[u8]) -> Option<Segment<'_>> {
-    let address = |at: usize, long: bool| -> Option<std::net::IpAddr> {
-        Some(if long {
-            <[u8; 16]>::try_from(packet.get(at..at + 16)?).ok()?.into()
-        } else {
-            <[u8; 4]>::try_from(packet.get(at..at + 4)?).ok()?.into()
-        })
+/// The TCP or UDP segment in a packet of a link layer; `None` for others.
+fn segment(link: i32, packet: &[u8]) -> Option<Segment<'_>> {
+    let layers = match link {
+        1 => LaxSlicedPacket::from_ethernet(packet).ok()?,
+        0 | 108 => LaxSlicedPacket::from_ip(packet.get(4..)?).ok()?,
+        113 => {
+            let kind = u16::from_be_bytes(*packet.get(14..)?.first_chunk()?);
+            LaxSlicedPacket::from_ether_type(EtherType(kind), packet.get(16..)?)
+        }
+        _ => LaxSlicedPacket::from_ip(packet).ok()?,
     };
-    let (protocol, from, to, body) = match packet.first()? >> 4 {
-        4 => {
-            let header = usize::from(packet[0] & 15) * 4;
-            let length = usize::from(big_u16(packet, 2)?);
-            // More fragments, or not the first one.
-            if big_u16(packet, 6)? & 0x3FFF != 0 {
-                return None;
-            }
-            (*packet.get(9)?, address(12, false)?, address(16, false)?, packet.get(header..length)?)
-        }
-        6 => {
-            let length = 40 + usize::from(big_u16(packet, 4)?);
-            (*packet.get(6)?, address(8, true)?, address(24, true)?, packet.get(40..length)?)
-        }
+    let [from, to]: [IpAddr; 2] = match layers.net? {
+        LaxNetSlice::Ipv4(ip) => [ip.header().source_addr().into(), ip.header().destination_addr().into()],
+        LaxNetSlice::Ipv6(ip) => [ip.header().source_addr().into(), ip.header().destination_addr().into()],
         _ => return None,
     };
-    let (from, to) = ((from, big_u16(body, 0)?), (to, big_u16(body, 2)?));
-    let flow = Flow { protocol, from, to };
-    match protocol {
-        UDP => Some(Segment { flow, sequence: None, payload: body.get(8..)? }),
-        TCP => {
-            let header = usize::from(*body.get(12)? >> 4) * 4;
-            let begins = *body.get(13)? & 2 != 0;
-            Some(Segment { flow, sequence: Some((big_u32(body, 4)?, begins)), payload: body.get(header..)? })
-        }
-        _ => None,
-    }
+    Some(match layers.transport? {
+        TransportSlice::Tcp(tcp) => Segment {
+            flow: Flow { protocol: TCP, from: (from, tcp.source_port()), to: (to, tcp.destination_port()) },
+            sequence: Some((tcp.sequence_number(), tcp.syn())),
+            payload: tcp.payload(),
+        },
+        TransportSlice::Udp(udp) => Segment {
+            flow: Flow { protocol: UDP, from: (from, udp.source_port()), to: (to, udp.destination_port()) },
+            sequence: None,
+            payload: udp.payload(),
+        },
+        _ => return None,
+    })
 }
 
 /// Payloads, and at which byte of the stream they begin.

@@ -18,7 +18,9 @@
 //!
 //! The file has neither date nor week: the source gives the GPS week of the first record. A time that falls
 //! by more than half a week begins the next week; a time of more than a week goes on counting. GPS time is
-//! assumed, as the format has it: a file that was exported with UTC seconds is off by the leap seconds.
+//! assumed, as the format has it: a file that was exported with UTC seconds is off by the leap seconds. Times
+//! are counted on from the first record: behind a leap second they are one second ahead of UTC.
+//! Big-endian records, and places in degrees, are recognised by the first record and refused in one sentence.
 //! Faults name the record, counted from 1, instead of a line.
 //!
 //! Source: the field list of PDAL's `readers.sbet`; the wander angle is turned so that velocity and heading
@@ -80,23 +82,54 @@ impl Record {
     }
 }
 
+/// The figures of a record.
+fn figures(bytes: &[u8; RECORD_BYTES], of: fn([u8; 8]) -> f64) -> [f64; 17] {
+    let mut figures = [0.0; 17];
+    for (figure, bytes) in figures.iter_mut().zip(bytes.as_chunks::<8>().0) {
+        *figure = of(*bytes);
+    }
+    figures
+}
+
+/// What is wrong with all records, if the first one shows it.
+fn misread(first: &[u8; RECORD_BYTES]) -> Option<FaultKind> {
+    let place = |[seconds, lat, lon, height_m, ..]: [f64; 17], [most_lat, most_lon]: [f64; 2]| {
+        let in_time = (0.0..=10.0 * WEEK_S).contains(&seconds);
+        in_time && lat.abs() <= most_lat && lon.abs() <= most_lon && height_m.abs() <= 1e8
+    };
+    // Fields of a swapped record are tiny or huge: none that is meant is below 1e-100.
+    let means = |figures: [f64; 17]| figures.iter().all(|figure| *figure == 0.0 || figure.abs() > 1e-100);
+    let figures_le = figures(first, f64::from_le_bytes);
+    if place(figures_le, [HALF_TURN_RAD / 2.0, 2.0 * HALF_TURN_RAD]) && means(figures_le) {
+        return None;
+    }
+    let figures_be = figures(first, f64::from_be_bytes);
+    if place(figures_be, [90.0, 360.0]) && means(figures_be) {
+        return Some(FaultKind::BigEndian);
+    }
+    let [_, lat, lon, ..] = figures_le;
+    place(figures_le, [90.0, 360.0]).then_some(FaultKind::Degrees { lat, lon })
+}
+
 /// The records of a file with their times; all that is wrong with them goes to `faults`.
 pub(super) fn records(bytes: &[u8], gps_week: u32, faults: &mut Faults) -> Vec<(u64, TimeTag, Record)> {
     let (whole, rest) = bytes.as_chunks::<RECORD_BYTES>();
     if !rest.is_empty() {
         faults.push(whole.len() as u64 + 1, FaultKind::CutRecord { found: rest.len(), needed: RECORD_BYTES });
     }
+    if let Some(kind) = whole.first().and_then(misread) {
+        faults.push(1, kind);
+        return Vec::new();
+    }
     let mut records = Vec::with_capacity(whole.len().min(MAX_FIXES));
+    let mut leap_s = None;
     let (mut weeks, mut before_s) = (0.0, 0.0);
     for (number, bytes) in (1..).zip(whole) {
         if records.len() >= MAX_FIXES {
             faults.push(number, FaultKind::TooManyFixes { allowed: MAX_FIXES });
             break;
         }
-        let mut figures = [0.0; 17];
-        for (figure, bytes) in figures.iter_mut().zip(bytes.as_chunks::<8>().0) {
-            *figure = f64::from_le_bytes(*bytes);
-        }
+        let figures = figures(bytes, f64::from_le_bytes);
         let before = faults.count();
         for (column, index, limit) in [
             ("latitude", 1, HALF_TURN_RAD / 2.0),
@@ -124,7 +157,14 @@ pub(super) fn records(bytes: &[u8], gps_week: u32, faults: &mut Faults) -> Vec<(
             Some(time) => {
                 before_s = record.seconds;
                 if faults.count() == before {
-                    records.push((number, time, record));
+                    let now_s = time.leap_seconds()
+                        - i64::from(TimeTag::is_leap_second(gps_week, record.seconds + weeks * WEEK_S));
+                    let behind_s = now_s - *leap_s.get_or_insert(now_s);
+                    records.push((
+                        number,
+                        TimeTag::new(time.seconds() + behind_s, time.fraction_s()),
+                        record,
+                    ));
                 }
             }
             None => faults.push(

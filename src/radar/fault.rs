@@ -75,13 +75,28 @@ fn figure(value: f64) -> String {
     if value >= 100.0 { format!("{value:.0}") } else { format!("{value:.3}") }
 }
 
+/// A hint where the dates of a track are 1024 weeks off, or twice that: GPS weeks begin again after so many.
+fn rolled_over(from: TimeTag, to: TimeTag, first: TimeTag, last: TimeTag) -> String {
+    const ROLLOVER_S: f64 = 1024.0 * 604_800.0;
+    let covers = |shift_s: f64| from.since(first.plus(shift_s)) >= 0.0 && last.plus(shift_s).since(to) >= 0.0;
+    match [1.0, 2.0].into_iter().find(|times| covers(times * ROLLOVER_S)) {
+        Some(times) => format!(
+            "; its dates are {} weeks early, as those of a receiver whose GPS week has rolled over: \
+             track.date gives the right one",
+            1024.0 * times
+        ),
+        None => String::new(),
+    }
+}
+
 /// Why a track does not cover what is needed, which is said once.
 fn uncovered(from: TimeTag, to: TimeTag, source: &TrackError) -> String {
     match source {
         TrackError::Uncovered { first, last, .. } if from.since(*last) > 0.0 || first.since(to) > 0.0 => {
             let side = if from.since(*last) > 0.0 { "ends before" } else { "begins after" };
+            let weeks = rolled_over(from, to, *first, *last);
             format!(
-                "covers {first} to {last}, which {side} the run, {from} to {to}; allowed: a scene.start_utc within the track"
+                "covers {first} to {last}, which {side} the run, {from} to {to}; allowed: a scene.start_utc within the track{weeks}"
             )
         }
         TrackError::Uncovered { .. } => format!("{source}; scene.start_utc and duration_s have to suit it"),

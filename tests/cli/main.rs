@@ -34,6 +34,7 @@ mod monitor;
 #[cfg(all(unix, feature = "monitor"))]
 mod monitor_client;
 mod nav;
+mod navigation_cases;
 mod polarisation_check;
 mod program;
 mod python_tools;

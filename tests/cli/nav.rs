@@ -208,6 +208,7 @@ fn received_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
         datum: VerticalDatum::Ellipsoid,
         undulation_m: 0.0,
         attitude: AttitudeSource::Recorded,
+        first_day: None,
         max_gap_s: 60.0,
         max_extrapolation_s: 1.0,
         timeout_s: 30.0,
@@ -247,6 +248,8 @@ fn received_meanwhile(command: &str, origin: nereus::nav::live::Origin) {
         max_gap_s: 60.0,
         smoothing: Smoothing::Off,
         attitude: AttitudeSource::Recorded,
+        first_day: None,
+        bounds: nereus::nav::live::MotionBounds::SPACECRAFT,
     };
     let epochs: Vec<_> = nereus::nav::load(&file).unwrap().fixes.iter().map(|fix| fix.time).collect();
     println!("{} of {} fixes received", received.len(), epochs.len());

@@ -94,8 +94,12 @@ fn gzip_and_other_orders() {
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     packed.write_all(&plain).unwrap();
     let packed = packed.finish().unwrap();
-    assert_eq!(only(&packed).bytes, b"one two");
-    assert!(matches!(pcap::parse(&packed[..packed.len() / 2]), Err(CaptureError::Gzip(_))));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("packed");
+    std::fs::write(&path, &packed).unwrap();
+    assert_eq!(pcap::load(&path).unwrap().streams[0].bytes, b"one two");
+    std::fs::write(&path, &packed[..packed.len() / 2]).unwrap();
+    assert!(matches!(pcap::load(&path), Err(CaptureError::File(_))));
     // Big-endian with nanoseconds.
     let ip = ipv4(17, &udp(b"big"));
     let mut big =
@@ -105,6 +109,43 @@ fn gzip_and_other_orders() {
     big.extend((ip.len() as u32).to_be_bytes());
     big.extend(&ip);
     assert_eq!(only(&big).bytes, b"big");
+}
+
+/// A block of pcapng, little-endian.
+fn block(kind: u32, body: &[u8]) -> Vec<u8> {
+    let mut body = body.to_vec();
+    body.resize(body.len().next_multiple_of(4), 0);
+    let length = (12 + body.len() as u32).to_le_bytes();
+    [&kind.to_le_bytes()[..], &length, &body, &length].concat()
+}
+
+/// Two interfaces of different link layers, and packets whose IP length is 0 as their sender's network card
+/// gets them.
+#[test]
+fn pcapng_and_segmentation_offload() {
+    let packet = |interface: u32, packet: &[u8]| {
+        let length = (packet.len() as u32).to_le_bytes();
+        block(6, &[&interface.to_le_bytes()[..], &[0; 8], &length, &length, packet].concat())
+    };
+    let unsized_ip = |sequence, payload: &[u8]| {
+        let mut ip = ipv4(6, &tcp(sequence, 0x18, payload));
+        (ip[2], ip[3]) = (0, 0);
+        ip
+    };
+    let ether = [&[0; 12], &[0x08, 0x00][..], &unsized_ip(7, b"two")].concat();
+    let head = [&0x1A2B_3C4D_u32.to_le_bytes()[..], &[1, 0, 0, 0], &[0xFF; 8]].concat();
+    let capture = [
+        block(0x0A0D_0D0A, &head),
+        block(1, &[101, 0, 0, 0, 0, 0, 0, 0]),
+        block(1, &[1, 0, 0, 0, 0, 0, 0, 0]),
+        packet(0, &unsized_ip(3, b"one ")),
+        packet(1, &ether),
+    ]
+    .concat();
+    let stream = only(&capture);
+    assert_eq!((stream.bytes.as_slice(), stream.missing_bytes), (&b"one two"[..], 0));
+    let cut = pcap::parse(&capture[..capture.len() - 5]).unwrap();
+    assert_eq!((cut.packets, cut.left, cut.streams[0].bytes.as_slice()), (1, 1, &b"one "[..]));
 }
 
 #[test]

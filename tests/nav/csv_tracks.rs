@@ -70,7 +70,7 @@ fn all_faults_are_reported_at_once() {
          2018-05-30T18:00:00Z,53,4.5,100,0,0,0\n\
          2018-05-30T17:59:59Z,53,4.5,100,0,0,0\n\
          2018-05-30T18:00:02Z,93,181,NaN,0,95,inf\n\
-         2018-05-30T18:00:03+02:00,53,4.5,100,0,0,0\n\
+         2018-05-30T18:00:03+2:00,53,4.5,100,0,0,0\n\
          2018-05-30T18:00:04Z,53,4.5\n\
          2018-02-31T18:00:05Z,53,4.5,,0,0,0\n\
          2018-05-30T18:00:16.5Z,53,4.5,100,0,0,0\n"
@@ -83,7 +83,7 @@ fn all_faults_are_reported_at_once() {
       line 5: height_m = 'NaN' is not a finite number
       line 5: pitch_deg = 95 is out of range: -90 to 90
       line 5: roll_deg = 'inf' is not a finite number
-      line 6: time_utc = '2018-05-30T18:00:03+02:00' is not a time such as 2018-05-30T18:40:00.25Z
+      line 6: time_utc = '2018-05-30T18:00:03+2:00' is not a time such as 2018-05-30T18:40:00.25Z
       line 7: 3 fields; the header has 7
       line 8: height_m = '' is not a finite number
       line 8: time_utc = '2018-02-31T18:00:05Z' is not a time such as 2018-05-30T18:40:00.25Z

@@ -45,6 +45,8 @@ fn bits_are_those_of_a_file() {
         max_gap_s: 5.0,
         smoothing: Smoothing::Off,
         attitude: AttitudeSource::Recorded,
+        first_day: None,
+        bounds: nereus::nav::MotionBounds::SPACECRAFT,
     };
     let constant: Rotation<Body, Enu> = Rotation::from_yaw_pitch_roll(0.3, 0.1, -0.2);
     let recorded = load(&cart).unwrap().fixes;

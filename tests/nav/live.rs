@@ -32,6 +32,7 @@ fn source(origin: Origin) -> LiveSource {
         datum: VerticalDatum::MeanSeaLevel,
         undulation_m: 41.0,
         attitude: AttitudeSource::Recorded,
+        first_day: None,
         max_gap_s: 10.0,
         max_extrapolation_s: 1.0,
         timeout_s: 30.0,

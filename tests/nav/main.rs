@@ -8,6 +8,7 @@ mod converter;
 mod csv_tracks;
 mod decoding;
 mod flights;
+mod foreign;
 mod formats;
 mod growing;
 mod hostile;

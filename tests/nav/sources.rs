@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nereus::nav::{AttitudeSource, FileFormat, FileSource, Smoothing, VerticalDatum};
+use nereus::nav::{AttitudeSource, FileFormat, FileSource, MotionBounds, Smoothing, VerticalDatum};
 
 pub fn repository(path: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
@@ -17,6 +17,8 @@ pub fn csv(path: &str) -> FileSource {
         max_gap_s: 10.0,
         smoothing: Smoothing::Off,
         attitude: AttitudeSource::Level,
+        first_day: None,
+        bounds: MotionBounds::SPACECRAFT,
     }
 }
 

@@ -174,6 +174,8 @@ fn file_text(source: &FileSource) -> String {
         FileFormat::Nmea => "NMEA",
         FileFormat::Inspvax => "INSPVAX",
         FileFormat::Sbet { .. } => "SBET",
+        FileFormat::Gpx => "GPX",
+        FileFormat::Kml => "KML",
     };
     let datum = match source.datum {
         VerticalDatum::Ellipsoid => "above the ellipsoid".to_owned(),

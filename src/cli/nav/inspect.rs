@@ -61,7 +61,11 @@ pub(super) fn inspect(args: &NavInspectArgs, out: &mut dyn Write) -> Result<(), 
         report.line(block);
     }
     report.value("scenario", scenario).value("error", error);
-    report.print(args.format.json, out)
+    report.print(args.format.json, out)?;
+    match recorded.track {
+        Ok(_) => Ok(()),
+        Err(_) => Err(CliError::NoTrack(args.file.clone())),
+    }
 }
 
 /// Packets of a capture, and messages by kind.
@@ -109,13 +113,8 @@ fn add_track(report: &mut Report, track: &TrackFigures) {
     if let Some([east, north, up]) = track.worst_sigma_m {
         report.row("worst", format!("{east:.3} m East, {north:.3} m North, {up:.3} m up"));
     }
-    for (count, what) in [
-        (track.out_of_order, "out of order"),
-        (track.heights_filled, "heights filled in"),
-        (track.headings_filled, "headings filled in"),
-    ] {
-        if count > 0 {
-            report.row("", format!("{count} {what}"));
-        }
+    // Sentences that were skipped stand above.
+    for note in track.read.notes_of_fixes() {
+        report.row("", note);
     }
 }

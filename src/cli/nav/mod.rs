@@ -12,12 +12,13 @@ use clap::{Args, Subcommand};
 
 use super::error::{CliError, Refused};
 use super::scenario::ForceArg;
-use super::values::{Word, one_of};
+use super::values::{Unreadable, Word, allowed, one_of};
 use super::{escape, say};
-use crate::nav::VerticalDatum;
+use crate::inputs;
 use crate::nav::corruption::{self, Chances, Corrupted};
 use crate::nav::inspection::{Encoding, InspectionError, Reading};
-use crate::nav::replay::read_bytes;
+use crate::nav::unpacked::MAX_FILE_BYTES;
+use crate::nav::{NavError, VerticalDatum, csv};
 use crate::pipeline::control_lines;
 use crate::pipeline::playback::write_file;
 
@@ -48,12 +49,14 @@ pub enum NavCommand {
 }
 
 /// Formats that are read.
-const ENCODINGS: [Word<Encoding>; 5] = [
+const ENCODINGS: [Word<Encoding>; 7] = [
     ("csv", "Comma-separated values", Encoding::Csv),
     ("nmea", "NMEA 0183 log, NovAtel messages among it", Encoding::Nmea),
-    ("inspvax", "NovAtel INSPVAX, ASCII or binary", Encoding::Inspvax),
+    ("inspvax", "NovAtel INSPVAX, INSPVA or INSPVAS, ASCII or binary", Encoding::Inspvax),
     ("sbet", "Smoothed best estimate of trajectory (needs --gps-week)", Encoding::Sbet),
-    ("pcap", "Capture of a receiver's messages on a network, gzipped or not", Encoding::Pcap),
+    ("gpx", "GPX, its tracks", Encoding::Gpx),
+    ("kml", "KML, its tracks and points with times", Encoding::Kml),
+    ("pcap", "Capture of a receiver's messages on a network, pcap or pcapng", Encoding::Pcap),
 ];
 /// What heights of a recording are measured from.
 const DATUMS: [Word<VerticalDatum>; 2] = [
@@ -77,12 +80,20 @@ pub struct SourceArgs {
     /// Height of mean sea level above the ellipsoid
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true)]
     pub undulation_m: f64,
+    /// Date of the first position of an NMEA log, in place of its own dates
+    #[arg(long, value_name = "DATE", value_parser = day)]
+    pub date: Option<i64>,
+}
+
+/// Days since 1970-01-01 of a date.
+fn day(text: &str) -> Result<i64, Unreadable> {
+    allowed(csv::day(text), "a date such as 2024-05-01")
 }
 
 impl SourceArgs {
     fn reading(&self) -> Reading {
-        let &Self { from: encoding, gps_week, datum, undulation_m } = self;
-        Reading { encoding, gps_week, datum, undulation_m }
+        let &Self { from: encoding, gps_week, datum, undulation_m, date: first_day } = self;
+        Reading { encoding, gps_week, datum, undulation_m, first_day }
     }
 }
 
@@ -142,7 +153,14 @@ fn corrupt(args: &NavCorruptArgs) -> Result<(), CliError> {
             return Err(Refused::value(key, value, "0 to 1").into());
         }
     }
-    let bytes = read_bytes(&args.file).map_err(InspectionError::from)?;
+    // As it lies there, packed or not.
+    let bytes = inputs::read(&args.file, MAX_FILE_BYTES)
+        .map_err(|source| NavError::Read { path: args.file.clone(), source })
+        .and_then(|bytes| match bytes.len() as u64 {
+            0..=MAX_FILE_BYTES => Ok(bytes),
+            _ => Err(NavError::TooLarge { path: args.file.clone(), allowed_bytes: MAX_FILE_BYTES }),
+        })
+        .map_err(InspectionError::from)?;
     let (corrupted, counts) = corruption::corrupt(&bytes, Chances { drop, flip, cut }, seed);
     write_file(&args.out, args.overwrite.force, &corrupted)?;
     let Corrupted { dropped, flipped, cuts, cut_bytes } = counts;

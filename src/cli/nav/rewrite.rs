@@ -20,13 +20,15 @@ use crate::sinks::port::Device;
 #[derive(Clone, Copy, Debug)]
 enum Written {
     Csv,
+    Kml,
     Nmea,
     InspvaxAscii,
     InspvaxBinary,
 }
 
-const WRITTEN: [Word<Written>; 4] = [
+const WRITTEN: [Word<Written>; 5] = [
     ("csv", "Comma-separated values", Written::Csv),
+    ("kml", "KML, a track with times", Written::Kml),
     ("nmea", "NMEA 0183 sentences", Written::Nmea),
     ("inspvaxa", "NovAtel INSPVAX, ASCII", Written::InspvaxAscii),
     ("inspvaxb", "NovAtel INSPVAX, binary", Written::InspvaxBinary),
@@ -35,7 +37,7 @@ const WRITTEN: [Word<Written>; 4] = [
 /// How states are written.
 #[derive(Clone, Debug, Args)]
 pub struct TargetArgs {
-    /// Format to write [default: csv, nmea or inspvaxb, from the name of the output; nmea for ports]
+    /// Format to write [default: csv, kml, nmea or inspvaxb, from the name of the output; nmea for ports]
     #[arg(long, value_parser = one_of(WRITTEN), value_name = "FORMAT")]
     to: Option<Written>,
     /// NMEA sentences, in this order
@@ -48,6 +50,7 @@ impl TargetArgs {
     fn target(&self) -> Option<OutputFormat> {
         Some(match self.to? {
             Written::Csv => OutputFormat::Csv,
+            Written::Kml => OutputFormat::Kml,
             Written::Nmea => OutputFormat::Messages(Format::Nmea(self.sentences.clone())),
             Written::InspvaxAscii => OutputFormat::Messages(Format::InspvaxAscii),
             Written::InspvaxBinary => OutputFormat::Messages(Format::InspvaxBinary),

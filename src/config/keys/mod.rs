@@ -93,6 +93,8 @@ pub enum Kind {
     Name,
     /// An instant, UTC.
     Time,
+    /// A day.
+    Date,
     /// An instant, UTC, or a word: each with where it is allowed.
     TimeOr(&'static [(&'static str, &'static str)]),
     /// A file that exists, relative to the scenario file.
@@ -134,7 +136,8 @@ pub enum Absent {
 
 use Absent::{Count, Flag, Means, Required, Word, Zeros};
 use Kind::{
-    Choice, File, FileOr, Name, Output, PolarisationPair, Section, Sections, Switched, Time, TimeOr, Words,
+    Choice, Date, File, FileOr, Name, Output, PolarisationPair, Section, Sections, Switched, Time, TimeOr,
+    Words,
 };
 
 const fn number(unit: &'static str, min: f64, max: f64) -> Kind {
@@ -312,6 +315,7 @@ impl Kind {
                 "a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'".to_owned()
             }
             Self::Line => "a text of one line".to_owned(),
+            Self::Date => "a date such as \"2024-05-01\"".to_owned(),
             Self::Time => "a UTC time from 1970 to 2200 such as \"2018-05-30T20:15:00.5Z\"".to_owned(),
             Self::File => "a file that exists (relative to the scenario file)".to_owned(),
             Self::TimeOr(words) => {

@@ -116,7 +116,7 @@ tables! {
         TRACK_HOLD_S "track_hold_s", number("s", 0.0, 1e5), default(30.0), "Time in which it is steered back to its track; 0: it drifts.";
     }
     track "[platform.track] and [platform.reported]" "A trajectory." {
-        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea", "inspvax", "sbet", "live"]), Required, "Stays; straight line at constant speed; recorded track; what a receiver reports during the run (docs/navigation.md).";
+        KIND "kind", Choice(&["fixed", "straight", "csv", "nmea", "inspvax", "sbet", "gpx", "kml", "live"]), Required, "Stays; straight line at constant speed; recorded track; what a receiver reports during the run (docs/navigation.md).";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg, lon_deg and h_m are given"), "fixed, straight: East, North, up in the scene frame (tangent plane at the origin), at pulse 0.";
         LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "fixed, straight: latitude, WGS-84.";
         LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "fixed, straight: longitude.";
@@ -129,6 +129,7 @@ tables! {
         DATUM "datum", Choice(&["ellipsoid", "msl", "barometric"]), Means("required, but for position_m, for recordings of x_m, y_m, z_m in a scene without origin, and for inspvax and sbet, which say it; live: \"msl\""), "What heights are measured from: WGS-84 ellipsoid, mean sea level, or (recordings, live) standard pressure altitude. live: where the messages do not say.";
         BAROMETRIC_OFFSET_M "barometric_offset_m", number("m", -2000.0, 2000.0), default(0.0), "barometric: added to make a pressure altitude a height above mean sea level.";
         GPS_WEEK "gps_week", count(0, 8191), Required, "sbet: GPS week of the first record; the file has seconds of the week only. 2000 began on 2018-05-06.";
+        DATE "date", Date, Means("that of the messages (RMC, ZDA)"), "nmea, live: day of the first position, in place of the dates of the messages: for logs of GGA alone, and for receivers whose date is wrong.";
         MAX_GAP_S "max_gap_s", above("s", 0.0, 86_400.0), default(5.0), "Recordings, live: longest gap between fixes that is interpolated.";
         SMOOTHING "smoothing", Section(&smoothing::TABLE), Means("off"), "Recordings: how fixes become a smooth track.";
         ATTITUDE "attitude", Choice(&["recorded", "coordinated_turn", "level", "constant"]), Means("recorded where the fixes have it, otherwise coordinated_turn; `check` and `run` report which"), "Recordings, live: where the attitude comes from. coordinated_turn: derived from the motion, nose along the velocity, roll of a coordinated turn. level: the same with level wings. ADS-B and GGA carry none.";
@@ -136,10 +137,10 @@ tables! {
         BAUD "baud", count(50, 4_000_000), Count(115_200), "live, serial port: bits per second.";
         MAX_EXTRAPOLATION_S "max_extrapolation_s", above("s", 0.0, 86_400.0), default(1.0), "live: longest time after the last fix for which motion is extrapolated from it. Sentences come an epoch late: for a receiver of one epoch per second take 2.5.";
         TIMEOUT_S "timeout_s", number("s", 0.0, 86_400.0), default(30.0), "live: how long the begin of the run waits for navigation.";
-        VEHICLE "vehicle", Choice(&["ship", "ground", "aircraft", "spacecraft"]), Word("aircraft"), "live: what carries the receiver. It sets the bounds of the plausibility gate: 40 m/s and 10 m/s^2 for a ship, 100 and 30 on the ground, 1000 and 100 in the air, 12000 and 100 in orbit.";
-        MAX_SPEED_MPS "max_speed_mps", above("m/s", 0.0, FAST_MPS), Means("that of the vehicle"), "live: a fix that would need a higher speed is counted and refused.";
-        MAX_ACCELERATION_MPS2 "max_acceleration_mps2", above("m/s^2", 0.0, 1e5), Means("that of the vehicle"), "live: a fix that would need a higher acceleration is counted and refused.";
-        RESET_FIXES "reset_fixes", count(2, 1000), Count(5), "live: so many refused fixes in a row that agree with each other are believed after all.";
+        VEHICLE "vehicle", Choice(&["ship", "ground", "aircraft", "spacecraft"]), Means("aircraft; recordings: spacecraft, whose speeds nothing exceeds"), "live, recordings without smoothing: what carries the receiver. It sets the bounds of the plausibility gate: 40 m/s and 10 m/s^2 for a ship, 100 and 30 on the ground, 1000 and 100 in the air, 12000 and 100 in orbit.";
+        MAX_SPEED_MPS "max_speed_mps", above("m/s", 0.0, FAST_MPS), Means("that of the vehicle"), "live, recordings without smoothing: a fix that would need a higher speed is counted and refused.";
+        MAX_ACCELERATION_MPS2 "max_acceleration_mps2", above("m/s^2", 0.0, 1e5), Means("that of the vehicle"), "live, recordings without smoothing: a fix that would need a higher acceleration is counted and refused.";
+        RESET_FIXES "reset_fixes", count(2, 1000), Count(5), "live, recordings without smoothing: so many refused fixes in a row that agree with each other are believed after all.";
         NOMINAL "nominal", Section(&TABLE), Means("what needs the flight beforehand is left out"), "live: a track of another kind that stands for the flight in `check` and in `plan`.";
     }
     smoothing "[platform.track.smoothing]" "How fixes become a smooth track." {

@@ -165,9 +165,9 @@ impl Sources {
             |part, kind| platforms.iter().any(|section| section.has_word_in(part, &keys::track::KIND, kind));
         Self {
             live: any(&TRACK, "live"),
-            recorded: [&TRACK, &REPORTED]
-                .into_iter()
-                .any(|part| ["csv", "nmea", "inspvax", "sbet"].into_iter().any(|kind| any(part, kind))),
+            recorded: [&TRACK, &REPORTED].into_iter().any(|part| {
+                ["csv", "nmea", "inspvax", "sbet", "gpx", "kml"].into_iter().any(|kind| any(part, kind))
+            }),
         }
     }
 

@@ -58,6 +58,8 @@ fn track(section: Section<'_>, ground: &Ground, part: Part) -> Option<TrackSourc
         Some("fixed") => fixed(&section, ground),
         Some("straight") => straight(&section, ground),
         Some("csv") => file(&section, ground, FileFormat::Csv).map(TrackSource::File),
+        Some("gpx") => file(&section, ground, FileFormat::Gpx).map(TrackSource::File),
+        Some("kml") => file(&section, ground, FileFormat::Kml).map(TrackSource::File),
         Some("inspvax") => file(&section, ground, FileFormat::Inspvax).map(TrackSource::File),
         Some("sbet") => {
             let week = section.count(&keys::track::GPS_WEEK).and_then(|week| u32::try_from(week).ok());
@@ -98,7 +100,7 @@ fn attitude(section: &Section<'_>) -> Option<Rotation<Body, Enu>> {
 }
 
 fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<FileSource> {
-    use keys::track::{MAX_GAP_S, PATH, SMOOTHING};
+    use keys::track::{DATE, MAX_GAP_S, PATH, SMOOTHING};
     let path = section.file(&PATH);
     // The format defines what its heights are measured from.
     let known = matches!(format, FileFormat::Inspvax | FileFormat::Sbet { .. });
@@ -120,6 +122,12 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
         }
     };
     let attitude = attitude_source(section);
+    let first_day = if format == FileFormat::Nmea { section.date(&DATE) } else { None };
+    // What is smoothed has its own rejection of outliers.
+    let is_exact = matches!(smoothing, Some(Smoothing::Off));
+    let bounds =
+        if is_exact { bounds(section, MotionBounds::SPACECRAFT) } else { Some(MotionBounds::SPACECRAFT) };
+    let has_date = format == FileFormat::Nmea && section.has(&DATE);
     Some(FileSource {
         path: path?,
         format,
@@ -128,11 +136,13 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
         max_gap_s: max_gap_s?,
         smoothing: smoothing?,
         attitude: attitude?,
+        first_day: if has_date { Some(first_day?) } else { None },
+        bounds: bounds?,
     })
 }
 
 fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
-    use keys::track::{BAUD, DATUM, MAX_EXTRAPOLATION_S, MAX_GAP_S, NOMINAL, SOURCE, TIMEOUT_S};
+    use keys::track::{BAUD, DATE, DATUM, MAX_EXTRAPOLATION_S, MAX_GAP_S, NOMINAL, SOURCE, TIMEOUT_S};
     if ground.sound && ground.origin_h_m.is_none() {
         section.fault(&SOURCE, Problem::LiveNeedsOrigin);
     }
@@ -148,7 +158,8 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
     let attitude = attitude_source(section);
     let (max_gap_s, max_extrapolation_s) = (section.number(&MAX_GAP_S), section.number(&MAX_EXTRAPOLATION_S));
     let timeout_s = section.number(&TIMEOUT_S);
-    let bounds = bounds(section);
+    let bounds = bounds(section, MotionBounds::AIRCRAFT);
+    let (has_date, first_day) = (section.has(&DATE), section.date(&DATE));
     let has_nominal = section.has(&NOMINAL);
     let nominal = section.section(&NOMINAL).and_then(|section| track(section, ground, Part::Nominal));
     Some(LiveSource {
@@ -156,6 +167,7 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
         datum: datum?,
         undulation_m: ground.origin_h_m.unwrap_or(0.0),
         attitude: attitude?,
+        first_day: if has_date { Some(first_day?) } else { None },
         max_gap_s: max_gap_s?,
         max_extrapolation_s: max_extrapolation_s?,
         timeout_s: timeout_s?,
@@ -164,14 +176,15 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
     })
 }
 
-/// How the platform can move.
-fn bounds(section: &Section<'_>) -> Option<MotionBounds> {
+/// How the platform can move; `usual` where the vehicle is not given.
+fn bounds(section: &Section<'_>, usual: MotionBounds) -> Option<MotionBounds> {
     use keys::track::{MAX_ACCELERATION_MPS2, MAX_SPEED_MPS, RESET_FIXES, VEHICLE};
     let usual = match section.choice(&VEHICLE) {
         Some("ship") => Some(MotionBounds::SHIP),
         Some("ground") => Some(MotionBounds::GROUND),
         Some("spacecraft") => Some(MotionBounds::SPACECRAFT),
-        word => word.map(|_| MotionBounds::AIRCRAFT),
+        Some(_) => Some(MotionBounds::AIRCRAFT),
+        None => (!section.has(&VEHICLE)).then_some(usual),
     };
     let (speed, acceleration) = (section.number(&MAX_SPEED_MPS), section.number(&MAX_ACCELERATION_MPS2));
     let reset_fixes = section.count(&RESET_FIXES).and_then(|fixes| usize::try_from(fixes).ok());

@@ -17,15 +17,17 @@
 use super::fault::MAX_MISFIT_SIGMAS;
 use std::fmt;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use serde::Serialize;
 
-use crate::frames::{Earth, Enu, SceneFrame, Vector};
+use crate::frames::SceneFrame;
+use crate::motion::gate::Refusals;
 use crate::motion::hermite::{acceleration_controls, derivative_weights, stencil};
 use crate::motion::outliers;
+use crate::motion::place::{position, to_local_axes};
 use crate::motion::smoother::{Series, likeliest_density, smooth};
 use crate::motion::track::TrackError;
-use crate::nav::{FileSource, Fix, Place, Smoothing};
+use crate::nav::{FileSource, Fix, Smoothing};
 use crate::time::TimeTag;
 
 /// Rounds of outlier rejection at most.
@@ -67,6 +69,10 @@ pub struct FitReport {
     pub vertical_jerk_density: Option<f64>,
     /// Slowest and fastest speed at a node, m/s.
     pub speed_mps: [f64; 2],
+    /// Fixes that the plausibility gate refused, before the others were taken as exact.
+    pub refused: Refusals,
+    /// Acceleration that the platform can have, m/s^2; `None` with smoothing, which has its own bound.
+    pub possible_acceleration_mps2: Option<f64>,
 }
 
 impl fmt::Display for FitReport {
@@ -97,6 +103,21 @@ impl fmt::Display for FitReport {
             write!(f, " taken as exact: acceleration up to {:.3} m/s^2", self.max_acceleration_mps2)?;
         }
         write!(f, "; speed {:.1} to {:.1} m/s", self.speed_mps[0], self.speed_mps[1])?;
+        let Refusals { implausible, jumps } = self.refused;
+        if implausible > 0 {
+            write!(
+                f,
+                "; {implausible} implausible fixes refused (track.vehicle, max_speed_mps, max_acceleration_mps2)"
+            )?;
+        }
+        if jumps > 0 {
+            write!(f, "; {jumps} jumps to where the platform cannot have got")?;
+        }
+        if let Some(possible) =
+            self.possible_acceleration_mps2.filter(|most| self.max_acceleration_mps2 > *most)
+        {
+            write!(f, "; more than the {possible} m/s^2 of the vehicle: noisy fixes want track.smoothing")?;
+        }
         if self.attitude_derived {
             f.write_str("; no attitude among the fixes: derived from the motion (coordinated turn)")?;
         }
@@ -111,28 +132,6 @@ pub(crate) struct Node {
     pub p: DVec3,
     pub v: DVec3,
     pub a: DVec3,
-}
-
-/// Rotation from the scene's axes to East, North and up of a fix; the identity for a local fix.
-pub(crate) fn to_local_axes(place: &Place, frame: &SceneFrame) -> DMat3 {
-    let Place::Geodetic(geodetic) = place else { return DMat3::IDENTITY };
-    let local = SceneFrame::at(*geodetic, Earth::Flat);
-    let turned = |axis: DVec3| {
-        let ecef = frame.vector_to_ecef(Vector::<Enu>::from_raw(axis))?;
-        Some(local.vector_from_ecef(ecef)?.raw())
-    };
-    match (turned(DVec3::X), turned(DVec3::Y), turned(DVec3::Z)) {
-        (Some(x), Some(y), Some(z)) => DMat3::from_cols(x, y, z),
-        _ => DMat3::IDENTITY,
-    }
-}
-
-/// Where a fix is in the scene; `None` if the scene is not georeferenced and the fix is.
-pub(crate) fn position(fix: &Fix, frame: &SceneFrame) -> Option<DVec3> {
-    match fix.place {
-        Place::Local(point) => Some(point.raw()),
-        Place::Geodetic(geodetic) => frame.from_geodetic(geodetic).map(|point| point.raw()),
-    }
 }
 
 /// The nodes of the track through these fixes.

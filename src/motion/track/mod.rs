@@ -47,13 +47,13 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::attitude;
+use super::{attitude, gate};
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
 use crate::motion::changes::PlatformChanges;
 use crate::motion::errors::{AxisErrors, Circumstances, ErrorModel, Errors};
 use crate::motion::gusts::Gusts;
 use crate::nav::TrackSource;
-use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, NavError, Place};
+use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, NavError, Place, Smoothing};
 use crate::time::TimeTag;
 use deviation::Deviation;
 use fit::Node;
@@ -88,6 +88,18 @@ pub struct SourceReport {
 impl fmt::Display for SourceReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}\n  {}", self.load.path, self.load, self.fit)
+    }
+}
+
+/// Whether fixes that were refused left gaps that are not interpolated.
+fn without_gaps(fixes: &[Fix], file: &FileSource) -> Result<(), TrackError> {
+    let gap = |pair: &[Fix]| (pair[1].time, pair[1].time.since(pair[0].time));
+    match fixes.windows(2).map(gap).find(|(_, gap_s)| *gap_s > file.max_gap_s) {
+        None => Ok(()),
+        Some((time, gap_s)) => {
+            let (path, allowed_s) = (file.path.clone(), file.max_gap_s);
+            Err(TrackError::RejectedGap { path, time, gap_s, allowed_s })
+        }
     }
 }
 
@@ -209,7 +221,17 @@ impl Track {
             if let Some(start) = start {
                 shift_to(start, &mut recording.fixes);
             }
-            let (track, fit) = Self::recorded(&recording.fixes, frame, file)?;
+            let is_exact = file.smoothing == Smoothing::Off;
+            let refused = match is_exact {
+                true => gate::plausible(&mut recording.fixes, frame, file.bounds),
+                false => gate::Refusals::default(),
+            };
+            if refused.implausible > 0 {
+                without_gaps(&recording.fixes, file)?;
+            }
+            let (track, mut fit) = Self::recorded(&recording.fixes, frame, file)?;
+            fit.refused = refused;
+            fit.possible_acceleration_mps2 = is_exact.then_some(file.bounds.max_acceleration_mps2);
             Ok((track, Some(SourceReport { load: recording.report, fit })))
         };
         let gaps = match nav::load(file) {

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::fit::{self, Node};
+use super::fit::Node;
 use super::{State, TrackError};
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
 use crate::motion::attitude::{self, MIN_SPEED_MPS, Turn};
 use crate::motion::hermite::Basis;
+use crate::motion::place;
 use crate::nav::{AttitudeSource, FileSource, Fix};
 use crate::time::TimeTag;
 
@@ -82,7 +83,7 @@ pub(super) fn attitude_of(
     frame: &SceneFrame,
     source: AttitudeSource,
 ) -> Result<DQuat, NoAttitude> {
-    let axes = fit::to_local_axes(&fix.place, frame);
+    let axes = place::to_local_axes(&fix.place, frame);
     let (v, a): (DVec3, DVec3) = (axes * node.v, axes * node.a);
     let derived = |angles: [f64; 3]| {
         let speed_mps = v.truncate().length();

@@ -3,8 +3,12 @@
 //! | message | how it is found | checked by |
 //! | --- | --- | --- |
 //! | NMEA 0183 ([`nmea`]) | a line with `$...*hh`, whatever stands before the `$` | exclusive or of the bytes between `$` and `*` |
-//! | NovAtel ASCII ([`novatel`]) | a line with `#NAME,...;...*hhhhhhhh` | CRC-32 of the bytes between `#` and `*` |
+//! | NovAtel ASCII ([`novatel`]) | a line with `#NAME,...;...*hhhhhhhh`, or `%` | CRC-32 of the bytes between `#` and `*` |
 //! | NovAtel binary | `AA 44 12`, length of header and body, body; `AA 44 13` for the short header | CRC-32 of all before it |
+//!
+//! Lines end with CR LF, LF or CR alone. A header of NovAtel that cannot be one is passed over, and so is one
+//! of more than 256 bytes when messages with right checksums stand where its body should be
+//! (two sentences, or one message with a CRC): what follows garbage is decoded, not waited for.
 //!
 //! A [`Decoder`] knows no files and no ports: whoever has bytes pushes them, and is called with every
 //! message. What is decided about a byte depends on it and on those after it, never on how they were cut, so
@@ -32,11 +36,16 @@
 //! assert_eq!((decoder.counts().malformed, decoder.counts().bad_checksum), (1, 1));
 //! ```
 
+mod enclosed;
 pub mod nmea;
 pub mod novatel;
 
+use std::fmt;
+use std::io::Write as _;
+
 use serde::Serialize;
 
+use self::enclosed::Enclosed;
 pub use self::nmea::{Gga, Gll, Gst, Hdt, Pashr, Rmc, Vtg, Zda};
 pub use self::novatel::Inspvax;
 
@@ -52,6 +61,10 @@ const HELD_BYTES: usize = 2 * MAX_BINARY_BYTES;
 pub struct Message {
     /// Line of text on which it stands, from 1; a binary message stands on the line after the last one.
     pub line: u64,
+    /// Who sent it: the first two letters of a sentence.
+    pub talker: Option<[u8; 2]>,
+    /// Whether the stream began within a sentence.
+    pub begun_within: bool,
     /// Its content.
     pub content: Content,
 }
@@ -61,6 +74,8 @@ pub struct Message {
 pub enum Content {
     /// Position, quality and height.
     Gga(Gga),
+    /// The same of several constellations.
+    Gns(Gga),
     /// Position, speed, course and date.
     Rmc(Rmc),
     /// Position.
@@ -69,6 +84,8 @@ pub enum Content {
     Vtg(Vtg),
     /// Heading.
     Hdt(Hdt),
+    /// Heading, and how it was found.
+    Ths(Hdt),
     /// Time and date.
     Zda(Zda),
     /// Standard deviations of the position.
@@ -77,6 +94,8 @@ pub enum Content {
     Pashr(Pashr),
     /// All of it.
     Inspvax(Inspvax),
+    /// All of it but deviations: INSPVA or INSPVAS.
+    Inspva(Inspvax),
 }
 
 /// What was found in a stream.
@@ -94,6 +113,60 @@ pub struct Counts {
     pub malformed: u64,
     /// Among the good ones: positions that say of themselves that there is none, or are empty.
     pub void: u64,
+    /// Among the malformed: lines of abbreviated ASCII logs of NovAtel.
+    pub abbreviated: u64,
+    /// Kinds that are not read here.
+    #[serde(skip)]
+    pub others: Others,
+    /// The first line is the end of a sentence.
+    #[serde(skip)]
+    begun_within: bool,
+}
+
+/// Letters of a kind that are kept.
+const KIND_LETTERS: usize = 16;
+
+/// Kinds of messages that are not read, with how many there are: the first eight.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+pub struct Others([([u8; KIND_LETTERS], u64); 8]);
+
+impl Others {
+    /// Counts a message of a kind.
+    fn count(&mut self, kind: &[u8]) {
+        let mut letters = [0; KIND_LETTERS];
+        for (letter, of) in
+            letters.iter_mut().zip(kind.iter().filter(|b| b.is_ascii_alphanumeric() || **b == b' '))
+        {
+            *letter = *of;
+        }
+        if letters[0] == 0 {
+            return;
+        }
+        if let Some(place) = self.0.iter_mut().find(|place| place.0 == letters || place.1 == 0) {
+            *place = (letters, place.1 + 1);
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0[0].1 == 0
+    }
+}
+
+impl fmt::Debug for Others {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}", self.to_string())
+    }
+}
+
+impl fmt::Display for Others {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (letters, count)) in self.0.iter().take_while(|(_, count)| *count > 0).enumerate() {
+            let kind: String = letters.iter().take_while(|b| **b != 0).map(|b| char::from(*b)).collect();
+            write!(f, "{}{count} {kind}", if index == 0 { "" } else { ", " })?;
+        }
+        Ok(())
+    }
 }
 
 /// Why a message with a right checksum is not handed on.
@@ -109,8 +182,15 @@ enum Unread {
 #[derive(Clone, Debug)]
 pub struct Decoder {
     held: Vec<u8>,
-    sums: novatel::Sums,
+    search: Search,
     counts: Counts,
+}
+
+/// What is known of the bytes that are held.
+#[derive(Clone, Debug)]
+struct Search {
+    sums: novatel::Sums,
+    enclosed: Enclosed,
 }
 
 impl Default for Decoder {
@@ -124,7 +204,10 @@ impl Decoder {
     pub fn new() -> Self {
         Self {
             held: Vec::with_capacity(HELD_BYTES),
-            sums: novatel::Sums::with_capacity(HELD_BYTES),
+            search: Search {
+                sums: novatel::Sums::with_capacity(HELD_BYTES),
+                enclosed: Enclosed::with_capacity(),
+            },
             counts: Counts::default(),
         }
     }
@@ -143,7 +226,7 @@ impl Decoder {
     /// Takes the end of the stream: a last line needs no line end. The decoder is as new but for its counts.
     pub fn finish(&mut self, see: &mut dyn FnMut(Message)) {
         self.decide(true, see);
-        self.sums.taken(usize::MAX);
+        self.search.taken(usize::MAX);
         self.held.clear();
     }
 
@@ -155,14 +238,22 @@ impl Decoder {
     fn decide(&mut self, ended: bool, see: &mut dyn FnMut(Message)) {
         let mut at = 0;
         loop {
-            let taken = step(&self.held, at, ended, &mut self.sums, &mut self.counts, see);
+            let taken = step(&self.held, at, ended, &mut self.search, &mut self.counts, see);
             if taken == 0 {
                 break;
             }
             at += taken;
         }
         self.held.drain(..at);
-        self.sums.taken(at);
+        self.search.taken(at);
+    }
+}
+
+impl Search {
+    /// So many bytes are gone from the front of what is held.
+    fn taken(&mut self, bytes: usize) {
+        self.sums.taken(bytes);
+        self.enclosed.taken(bytes);
     }
 }
 
@@ -181,22 +272,26 @@ fn step(
     held: &[u8],
     at: usize,
     ended: bool,
-    sums: &mut novatel::Sums,
+    search: &mut Search,
     counts: &mut Counts,
     see: &mut dyn FnMut(Message),
 ) -> usize {
     let bytes = &held[at..];
     if sync(bytes) == Some(true) {
-        let is_intact = |length| sums.is_intact(held, at, at + length);
-        return binary(bytes, ended, is_intact, counts, see);
+        return binary(held, at, ended, search, counts, see);
     }
     let window = &bytes[..bytes.len().min(MAX_LINE_BYTES)];
     for (i, &byte) in window.iter().enumerate() {
         match byte {
-            b'\n' => {
+            b'\n' | b'\r' => {
+                let is_pair = match bytes.get(i + 1) {
+                    // A CR alone ends the lines of old instruments.
+                    None if byte == b'\r' && !ended => return 0,
+                    next => byte == b'\r' && next == Some(&b'\n'),
+                };
                 counts.lines += 1;
                 line(&window[..i], counts, see);
-                return i + 1;
+                return i + 1 + usize::from(is_pair);
             }
             0xAA => match sync(&bytes[i..]) {
                 Some(true) => {
@@ -224,9 +319,10 @@ fn step(
 
 /// A binary message; its sync bytes are there.
 fn binary(
-    bytes: &[u8],
+    held: &[u8],
+    at: usize,
     ended: bool,
-    is_intact: impl FnOnce(usize) -> bool,
+    search: &mut Search,
     counts: &mut Counts,
     see: &mut dyn FnMut(Message),
 ) -> usize {
@@ -235,17 +331,27 @@ fn binary(
         counts.malformed += u64::from(ended);
         if ended { SYNC_BYTES } else { 0 }
     };
-    let Some(frame) = novatel::Frame::of(bytes) else { return more(counts) };
-    if frame.header_bytes < frame.least_header_bytes || frame.all_bytes() > MAX_BINARY_BYTES {
+    let Some(frame) = novatel::Frame::of(&held[at..]) else { return more(counts) };
+    let Search { sums, enclosed } = search;
+    let (body, end) = (at + frame.header_bytes, at + frame.all_bytes());
+    let is_long = !frame.is_read() && frame.all_bytes() > enclosed::SHORT_BYTES;
+    if !frame.is_believed() || is_long && enclosed.refutes(held, body, end, sums) {
         counts.malformed += 1;
         return SYNC_BYTES;
     }
-    let Some(message) = bytes.get(..frame.all_bytes()) else { return more(counts) };
-    if !is_intact(message.len()) {
+    let Some(message) = held.get(at..end) else { return more(counts) };
+    if !sums.is_intact(held, at, end) {
         counts.bad_checksum += 1;
         return SYNC_BYTES;
     }
-    report(novatel::binary(&frame, message), counts, see);
+    let content = novatel::binary(&frame, message);
+    if content == Err(Unread::Unknown) {
+        let mut name = [b' '; KIND_LETTERS];
+        // It fits.
+        let _ = write!(&mut name[..], "message {}", novatel::number_of(message));
+        counts.others.count(name.trim_ascii_end());
+    }
+    report(content, None, counts, see);
     frame.all_bytes()
 }
 
@@ -260,12 +366,19 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut dyn FnMut(Message)) {
     if let Some(at) = novatel::ascii_start(&rest[..start.unwrap_or(rest.len())]) {
         match novatel::ascii(&rest[at..]) {
             None => counts.bad_checksum += 1,
-            Some(content) => report(content, counts, see),
+            Some(content) => {
+                if content == Err(Unread::Unknown) {
+                    counts.others.count(rest[at + 1..].split(|b| *b == b',').next().unwrap_or_default());
+                }
+                report(content, None, counts, see);
+            }
         }
         return;
     }
     let Some(start) = start else {
         counts.malformed += 1;
+        counts.abbreviated += u64::from(novatel::is_abbreviated(rest));
+        counts.begun_within |= counts.lines == 1 && ends_sentence(rest);
         return;
     };
     rest = &rest[start..];
@@ -290,7 +403,13 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut dyn FnMut(Message)) {
             None => counts.bad_checksum += 1,
             Some((at, body)) => {
                 counts.malformed += u64::from(at > 0);
-                report(nmea::sentence(body), counts, see);
+                let content = nmea::sentence(body);
+                let address = body.split(|b| *b == b',').next().unwrap_or_default();
+                if content == Err(Unread::Unknown) {
+                    counts.others.count(address);
+                }
+                let talker = address.first_chunk().copied().filter(|_| address.len() == 5);
+                report(content, talker, counts, see);
             }
         }
         // Behind the checksum another sentence may follow.
@@ -302,15 +421,25 @@ fn line(line: &[u8], counts: &mut Counts, see: &mut dyn FnMut(Message)) {
     }
 }
 
+/// Whether a line is the end of a sentence whose beginning is missing.
+fn ends_sentence(line: &[u8]) -> bool {
+    matches!(line, [.., b'*', high, low] if high.is_ascii_hexdigit() && low.is_ascii_hexdigit())
+}
+
 /// Counts a message and hands it on.
-fn report(content: Result<Content, Unread>, counts: &mut Counts, see: &mut dyn FnMut(Message)) {
+fn report(
+    content: Result<Content, Unread>,
+    talker: Option<[u8; 2]>,
+    counts: &mut Counts,
+    see: &mut dyn FnMut(Message),
+) {
     match content {
         Err(Unread::Unknown) => counts.unknown += 1,
         Err(Unread::Malformed) => counts.malformed += 1,
         Ok(content) => {
             counts.good += 1;
             counts.void += u64::from(content.is_void());
-            see(Message { line: counts.lines, content });
+            see(Message { line: counts.lines, talker, begun_within: counts.begun_within, content });
         }
     }
 }
@@ -319,10 +448,10 @@ impl Content {
     /// Whether this message of a position states that there is none.
     pub fn is_void(&self) -> bool {
         match self {
-            Self::Gga(gga) => gga.fix.is_none(),
+            Self::Gga(gga) | Self::Gns(gga) => gga.fix.is_none(),
             Self::Rmc(rmc) => rmc.fix.is_none(),
             Self::Gll(gll) => gll.fix.is_none(),
-            Self::Inspvax(inspvax) => !inspvax.is_solution(),
+            Self::Inspvax(inspvax) | Self::Inspva(inspvax) => !inspvax.is_solution(),
             _ => false,
         }
     }

@@ -4,17 +4,20 @@
 //! | --- | --- |
 //! | GGA | time, latitude, longitude, quality, satellites, HDOP, altitude above mean sea level m, geoid separation m |
 //! | RMC | time, status, latitude, longitude, speed kn, course, date `ddmmyy` |
+//! | GNS | time, latitude, longitude, mode of each constellation, satellites, HDOP, altitude m, geoid separation m |
 //! | GLL | latitude, longitude, time, status |
 //! | VTG | course true, course magnetic, speed kn, speed km/h |
 //! | HDT | heading true |
+//! | THS | heading true, mode |
 //! | ZDA | time, day, month, year (four digits), local zone |
 //! | GST | time, rms, error ellipse, standard deviations of latitude, longitude, altitude, m |
 //! | PASHR | time, heading true, `T`, roll, pitch, heave, standard deviations of roll, pitch, heading, two quality flags |
 //!
-//! Times are `hhmmss` with any number of decimals, read to a nanosecond from the text. A label of 60 s (a
-//! leap second) is refused as malformed: a UTC without leap seconds has no name for it. Years of RMC from 83
-//! on are 19xx. Empty fields are no value; a number must be digits with at most one sign and point. Roll is
-//! right wing down, pitch nose up.
+//! Times are `hhmmss` with any number of decimals, read to a nanosecond from the text. The label 235960 of a
+//! leap second is a time of day of 86,400 s. Minutes of an angle are the two digits before the point,
+//! whatever zeros of the degrees are left out; below three digits and from 60 minutes on it is malformed.
+//! Years of RMC from 80 on are 19xx. Empty fields are no value; a number must be digits with at most one sign
+//! and point. Roll is right wing down, pitch nose up.
 //!
 //! Source: <https://gpsd.gitlab.io/gpsd/NMEA.html>.
 
@@ -28,7 +31,7 @@ const FIELDS: usize = 24;
 /// A time of day and a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fixed {
-    /// UTC since midnight, ns.
+    /// UTC since midnight, ns; 86,400 s and more within a leap second.
     pub time_of_day_ns: i64,
     /// Latitude, degrees.
     pub lat_deg: f64,
@@ -137,6 +140,8 @@ pub(super) fn sentence(body: &[u8]) -> Result<Content, Unread> {
     }
     match fields.text(0).get(2..) {
         Some("GGA") => fields.gga(),
+        Some("GNS") => fields.gns(),
+        Some("THS") => fields.ths(),
         Some("RMC") => fields.rmc(),
         Some("GLL") => fields.gll(),
         Some("VTG") => fields.vtg(),
@@ -233,6 +238,21 @@ impl<'a> Fields<'a> {
         }))
     }
 
+    fn gns(&self) -> Result<Content, Unread> {
+        self.at_least(11)?;
+        // One letter for each constellation; N: it is not used.
+        let mode = self.text(6);
+        if !mode.bytes().all(|b| b.is_ascii_uppercase()) {
+            return Err(Unread::Malformed);
+        }
+        let valid = mode.bytes().any(|b| b != b'N');
+        Ok(Content::Gns(Gga {
+            fix: self.fix(1, 2, valid)?,
+            altitude_m: self.number(9, (-1e8, 1e8))?,
+            separation_m: self.number(10, (-1e4, 1e4))?,
+        }))
+    }
+
     fn rmc(&self) -> Result<Content, Unread> {
         self.at_least(10)?;
         let valid = match self.text(2) {
@@ -271,6 +291,12 @@ impl<'a> Fields<'a> {
         let heading_deg = self.number(1, (f64::MIN, f64::MAX))?;
         // Out of range it is ignored.
         Ok(Content::Hdt(Hdt { heading_deg: heading_deg.filter(|heading| (0.0..=360.0).contains(heading)) }))
+    }
+
+    fn ths(&self) -> Result<Content, Unread> {
+        self.at_least(3)?;
+        let Content::Hdt(hdt) = self.hdt()? else { return Err(Unread::Malformed) };
+        Ok(Content::Ths(Hdt { heading_deg: hdt.heading_deg.filter(|_| self.text(2) != "V") }))
     }
 
     fn zda(&self) -> Result<Content, Unread> {
@@ -327,9 +353,14 @@ fn digits(text: &str) -> Option<i32> {
     text.parse().ok().filter(|_| text.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// `ddmm.mmm` or `dddmm.mmm`, as degrees.
-fn degrees(text: &str, whole: usize) -> Option<f64> {
-    let (degrees, minutes) = text.split_at_checked(whole)?;
+/// `ddmm.mmm` or `dddmm.mmm`, as degrees; leading zeros of the degrees may be missing.
+fn degrees(text: &str, most: usize) -> Option<f64> {
+    let point = text.find('.').unwrap_or(text.len());
+    // Fewer digits are decimal degrees of somebody who does not know the format.
+    let (degrees, minutes) = text.split_at_checked(point.checked_sub(2)?)?;
+    if !(1..=most).contains(&degrees.len()) {
+        return None;
+    }
     let degrees = f64::from(digits(degrees)?);
     let minutes = number(minutes).filter(|minutes| (0.0..60.0).contains(minutes))?;
     Some(degrees + minutes / 60.0)
@@ -343,7 +374,8 @@ fn time_of_day_ns(text: &str) -> Option<i64> {
     }
     let pair = |at: usize| whole[at..at + 2].parse::<i64>().ok();
     let (hour, minute, second) = (pair(0)?, pair(2)?, pair(4)?);
-    if hour > 23 || minute > 59 || second > 59 {
+    let is_leap = (hour, minute, second) == (23, 59, 60);
+    if hour > 23 || minute > 59 || second > 59 && !is_leap {
         return None;
     }
     // Digits beyond the ninth round the ninth; a fraction that would round to a second stays below it.
@@ -356,13 +388,13 @@ fn time_of_day_ns(text: &str) -> Option<i64> {
     Some(((hour * 60 + minute) * 60 + second) * 1_000_000_000 + ns)
 }
 
-/// `ddmmyy` as days since 1970-01-01; NMEA 0183 is of 1983.
+/// `ddmmyy` as days since 1970-01-01; GPS time, where receivers without a fix begin, is of 1980.
 fn short_date(text: &str) -> Option<i64> {
     if text.len() != 6 || !text.is_ascii() {
         return None;
     }
     let year = digits(&text[4..])?;
-    day_of(Some(if year >= 83 { year + 1900 } else { year + 2000 }), digits(&text[2..4]), digits(&text[..2]))
+    day_of(Some(if year >= 80 { year + 1900 } else { year + 2000 }), digits(&text[2..4]), digits(&text[..2]))
 }
 
 /// Days since 1970-01-01, if there is such a day.

@@ -1,10 +1,12 @@
 //! NovAtel logs: frames, checksum, and INSPVAX, position, velocity and attitude of an inertial system with
-//! their deviations.
+//! their deviations; INSPVA and INSPVAS, the same without deviations.
 //!
 //! **Binary**, little-endian: `AA 44 12`, header of 28 bytes (its length at 3, id at 4, length of the body at
 //! 8, status of the time at 13, GPS week at 14, ms of the week at 16), body, CRC. The short header `AA 44 13`
-//! has 12 bytes; no message with it is read. **ASCII**:
-//! `#INSPVAXA,port,sequence,idle,status,week,seconds,...;fields*crc`.
+//! has 12 bytes: length of the body at 3, id at 4, week at 6, ms at 8. **ASCII**:
+//! `#INSPVAXA,port,sequence,idle,status,week,seconds,...;fields*crc`, with a short header
+//! `%INSPVASA,week,seconds;fields*crc`. **Abbreviated ASCII** (`<INSPVAX ...`) has no checksum: it is counted
+//! and not read.
 //!
 //! | INSPVAX (id 1465) | binary, at | unit |
 //! | --- | --- | --- |
@@ -17,6 +19,14 @@
 //! | of velocity North, East, up | f32 96, 100, 104 | m/s |
 //! | of roll, pitch, azimuth | f32 108, 112, 116 | deg |
 //! | extended status, time since the last update | u32 120, u16 124 | s |
+//!
+//! INSPVA (id 507) and INSPVAS (id 508, short header), 88 bytes: week u32 0, seconds of the week f64 4,
+//! latitude, longitude f64 12, 20, height above the ellipsoid f64 28, velocity North, East, up f64 36, 44,
+//! 52, roll, pitch, azimuth f64 60, 68, 76, status of the solution u32 84.
+//!
+//! **A header is believed** when it announces a binary message (bits 5 and 6 at 6 are 0) of a time within a
+//! week; messages that are read have one length. See [`decode`](super) for what is decoded while a long one
+//! is waited for.
 //!
 //! **Angles.** The body axes of the receiver are x to the right, y ahead, z up. Roll turns about y and pitch
 //! about x, both right-handed, azimuth about z left-handed (clockwise from North): body to ENU is
@@ -37,15 +47,27 @@
 //! ```
 
 use super::nmea::number;
-use super::{Content, Unread};
+use super::{Content, MAX_BINARY_BYTES, Unread};
 use crate::time::TimeTag;
 
 /// Id of INSPVAX.
 pub const INSPVAX_ID: u16 = 1465;
 /// Bytes of its body.
 pub const INSPVAX_BYTES: usize = 126;
+/// Id of INSPVA.
+pub const INSPVA_ID: u16 = 507;
+/// Id of INSPVAS, the same with the short header.
+pub const INSPVAS_ID: u16 = 508;
+/// Bytes of the body of both.
+pub const INSPVA_BYTES: usize = 88;
 /// Bytes of the long header.
 pub const HEADER_BYTES: usize = 28;
+/// Bytes of the short header.
+const SHORT_HEADER_BYTES: usize = 12;
+/// The longest header that is believed; longer ones were never made.
+const MOST_HEADER_BYTES: usize = 64;
+/// Milliseconds of a week.
+const WEEK_MS: u32 = 604_800_000;
 /// Status of a solution that is good, as sent.
 pub const SOLUTION_GOOD: u32 = 3;
 
@@ -112,7 +134,7 @@ impl Inspvax {
     }
 
     /// Itself, if every figure is in its range.
-    fn checked(self) -> Result<Content, Unread> {
+    fn checked(self) -> Result<Self, Unread> {
         let Self { lat_deg, lon_deg, altitude_m, undulation_m, .. } = self;
         let [roll, pitch, azimuth] = self.angles_deg;
         let sigmas = [self.sigma_position_m, self.sigma_velocity_mps, self.sigma_angles_deg];
@@ -126,7 +148,7 @@ impl Inspvax {
             && pitch.abs() <= 90.0
             && azimuth.abs() <= 360.0
             && sigmas.iter().flatten().all(|sigma| sigma.is_finite() && *sigma >= 0.0);
-        if sound { Ok(Content::Inspvax(self)) } else { Err(Unread::Malformed) }
+        if sound { Ok(self) } else { Err(Unread::Malformed) }
     }
 }
 
@@ -164,23 +186,66 @@ const fn table() -> [u32; 256] {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub header_bytes: usize,
-    pub least_header_bytes: usize,
     body_bytes: usize,
+    /// What its header says is that of a message.
+    believed: bool,
+    /// Kind of message that is read.
+    kind: Option<Kind>,
+}
+
+/// Messages that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Inspvax,
+    Inspva,
 }
 
 impl Frame {
     /// From the beginning of a message; `None` when more of it is needed.
     pub fn of(bytes: &[u8]) -> Option<Self> {
+        let (header_bytes, body_bytes, time_ms, kind, is_binary);
         if bytes[2] == 0x13 {
-            let body_bytes = usize::from(*bytes.get(3)?);
-            return Some(Self { header_bytes: 12, least_header_bytes: 12, body_bytes });
+            let header = bytes.get(..SHORT_HEADER_BYTES)?;
+            (header_bytes, body_bytes, is_binary) = (SHORT_HEADER_BYTES, usize::from(header[3]), true);
+            time_ms = u32_at(header, 8);
+            kind = (u16_at(header, 4) == INSPVAS_ID).then_some(Kind::Inspva);
+        } else {
+            let header = bytes.get(..HEADER_BYTES)?;
+            (header_bytes, body_bytes) = (usize::from(header[3]), usize::from(u16_at(header, 8)));
+            is_binary = header[6] & 0x60 == 0;
+            time_ms = u32_at(header, 16);
+            // The highest bit of the type marks the answer to a command.
+            kind = match u16_at(header, 4) {
+                INSPVAX_ID if header[6] & 0x80 == 0 => Some(Kind::Inspvax),
+                INSPVA_ID if header[6] & 0x80 == 0 => Some(Kind::Inspva),
+                _ => None,
+            };
         }
-        let body_bytes = usize::from(u16_at(bytes.get(..10)?, 8));
-        Some(Self { header_bytes: usize::from(bytes[3]), least_header_bytes: HEADER_BYTES, body_bytes })
+        let length = match kind {
+            Some(Kind::Inspvax) => Some(INSPVAX_BYTES),
+            Some(Kind::Inspva) => Some(INSPVA_BYTES),
+            None => None,
+        };
+        let least = if bytes[2] == 0x13 { SHORT_HEADER_BYTES } else { HEADER_BYTES };
+        let believed = is_binary
+            && (least..=MOST_HEADER_BYTES).contains(&header_bytes)
+            && time_ms <= WEEK_MS
+            && length.is_none_or(|length| length == body_bytes);
+        Some(Self { header_bytes, body_bytes, believed, kind })
     }
 
     pub fn all_bytes(&self) -> usize {
         self.header_bytes + self.body_bytes + 4
+    }
+
+    /// Whether such a message may follow.
+    pub fn is_believed(&self) -> bool {
+        self.believed && self.all_bytes() <= MAX_BINARY_BYTES
+    }
+
+    /// Whether it is one that is read.
+    pub fn is_read(&self) -> bool {
+        self.kind.is_some()
     }
 }
 
@@ -263,43 +328,102 @@ const fn powers() -> [u32; 16] {
 
 /// Reads a binary message whose checksum is right.
 pub(super) fn binary(frame: &Frame, message: &[u8]) -> Result<Content, Unread> {
-    // The highest bit of the type marks the answer to a command.
-    if message[2] != 0x12 || u16_at(message, 4) != INSPVAX_ID || message[6] & 0x80 != 0 {
-        return Err(Unread::Unknown);
-    }
     let body = &message[frame.header_bytes..message.len() - 4];
-    if body.len() < INSPVAX_BYTES {
-        return Err(Unread::Malformed);
+    let double = |at| f64_at(body, at);
+    let angles_and_velocity =
+        |velocity: [usize; 3], angles: [usize; 3]| (velocity.map(double), angles.map(double));
+    match frame.kind {
+        None => Err(Unread::Unknown),
+        Some(Kind::Inspvax) => {
+            let (velocity_mps, angles_deg) = angles_and_velocity([36, 44, 52], [60, 68, 76]);
+            Inspvax {
+                week: u32::from(u16_at(message, 14)),
+                seconds: f64::from(u32_at(message, 16)) / 1e3,
+                timed: message[13] > TIME_UNKNOWN,
+                status: u32_at(body, 0),
+                lat_deg: double(8),
+                lon_deg: double(16),
+                altitude_m: double(24),
+                undulation_m: f64::from(f32_at(body, 32)),
+                velocity_mps,
+                angles_deg,
+                sigma_position_m: [84, 88, 92].map(|at| f32_at(body, at)),
+                sigma_velocity_mps: [96, 100, 104].map(|at| f32_at(body, at)),
+                sigma_angles_deg: [108, 112, 116].map(|at| f32_at(body, at)),
+            }
+            .checked()
+            .map(Content::Inspvax)
+        }
+        Some(Kind::Inspva) => {
+            let (velocity_mps, angles_deg) = angles_and_velocity([36, 44, 52], [60, 68, 76]);
+            let place = [12, 20, 28].map(double);
+            inspva(u32_at(body, 0), double(4), u32_at(body, 84), place, velocity_mps, angles_deg)
+        }
     }
-    let [double, single] = [f64_at, |body: &[u8], at| f64::from(f32_at(body, at))];
-    Inspvax {
-        week: u32::from(u16_at(message, 14)),
-        seconds: f64::from(u32_at(message, 16)) / 1e3,
-        timed: message[13] > TIME_UNKNOWN,
-        status: u32_at(body, 0),
-        lat_deg: double(body, 8),
-        lon_deg: double(body, 16),
-        altitude_m: double(body, 24),
-        undulation_m: single(body, 32),
-        velocity_mps: [36, 44, 52].map(|at| double(body, at)),
-        angles_deg: [60, 68, 76].map(|at| double(body, at)),
-        sigma_position_m: [84, 88, 92].map(|at| f32_at(body, at)),
-        sigma_velocity_mps: [96, 100, 104].map(|at| f32_at(body, at)),
-        sigma_angles_deg: [108, 112, 116].map(|at| f32_at(body, at)),
-    }
-    .checked()
 }
 
-/// Where an ASCII log begins in a line: `#`, a name, a comma, and later a `;`.
+/// INSPVA or INSPVAS: its height is above the ellipsoid, and it states no deviations.
+fn inspva(
+    week: u32,
+    seconds: f64,
+    status: u32,
+    [lat_deg, lon_deg, altitude_m]: [f64; 3],
+    velocity_mps: [f64; 3],
+    angles_deg: [f64; 3],
+) -> Result<Content, Unread> {
+    let none = [0.0; 3];
+    Inspvax {
+        week,
+        seconds,
+        timed: week > 0,
+        status,
+        lat_deg,
+        lon_deg,
+        altitude_m,
+        undulation_m: 0.0,
+        velocity_mps,
+        angles_deg,
+        sigma_position_m: none,
+        sigma_velocity_mps: none,
+        sigma_angles_deg: none,
+    }
+    .checked()
+    .map(Content::Inspva)
+}
+
+/// What a binary message is called: the number of its kind.
+pub(super) fn number_of(message: &[u8]) -> u16 {
+    u16_at(message, 4)
+}
+
+/// Where an ASCII log begins in a line: `#` or `%`, a name, a comma, and later a `;`.
 pub(super) fn ascii_start(line: &[u8]) -> Option<usize> {
-    let at = line.iter().position(|&b| b == b'#')?;
+    let at = line.iter().position(|&b| matches!(b, b'#' | b'%'))?;
     let rest = &line[at + 1..];
     let name = rest.iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
     let named = rest.first()?.is_ascii_uppercase() && rest.get(name) == Some(&b',');
     (named && rest.contains(&b';')).then_some(at)
 }
 
-/// Reads an ASCII log from its `#` on; `None` if its checksum is wrong or missing.
+/// Whether a line is of an abbreviated ASCII log: `<NAME ...` or `<     values`, a port may stand before it.
+pub(super) fn is_abbreviated(line: &[u8]) -> bool {
+    let line = match line.first() {
+        Some(b'[') => line.iter().position(|&b| b == b']').map_or(line, |at| &line[at + 1..]),
+        _ => line,
+    };
+    match line
+        .strip_prefix(b"<")
+        .map(|rest| (rest, rest.iter().take_while(|b| b.is_ascii_uppercase()).count()))
+    {
+        Some((rest, 0)) => rest.starts_with(b"  "),
+        Some((rest, name)) => {
+            name >= 3 && rest[name..].iter().find(|b| !b.is_ascii_alphanumeric()) == Some(&b' ')
+        }
+        None => false,
+    }
+}
+
+/// Reads an ASCII log from its `#` or `%` on; `None` if its checksum is wrong or missing.
 pub(super) fn ascii(line: &[u8]) -> Option<Result<Content, Unread>> {
     let star = line.iter().rposition(|&b| b == b'*')?;
     let digits = line.get(star + 1..star + 9).filter(|d| d.iter().all(u8::is_ascii_hexdigit))?;
@@ -311,37 +435,60 @@ pub(super) fn ascii(line: &[u8]) -> Option<Result<Content, Unread>> {
 
 fn ascii_fields(text: &str) -> Result<Content, Unread> {
     let (header, body) = text.split_once(';').ok_or(Unread::Malformed)?;
-    if header.split(',').next() != Some("INSPVAXA") {
-        return Err(Unread::Unknown);
+    match header.split(',').next() {
+        Some("INSPVAXA") => inspvaxa(header, body),
+        Some("INSPVAA" | "INSPVASA") => inspvaa(body),
+        _ => Err(Unread::Unknown),
     }
+}
+
+fn status_of(name: &str) -> u32 {
+    STATUS.iter().find(|(known, _)| *known == name).map_or(u32::MAX, |(_, number)| *number)
+}
+
+/// The next `N` fields, as numbers.
+fn figures<'a, const N: usize>(fields: &mut impl Iterator<Item = &'a str>) -> Result<[f64; N], Unread> {
+    let mut figures = [0.0; N];
+    for place in &mut figures {
+        *place = fields.next().and_then(number).ok_or(Unread::Malformed)?;
+    }
+    Ok(figures)
+}
+
+fn inspvaa(body: &str) -> Result<Content, Unread> {
+    let mut fields = body.split(',');
+    let week = fields.next().and_then(|week| week.parse().ok()).ok_or(Unread::Malformed)?;
+    let [seconds] = figures(&mut fields)?;
+    let place = figures(&mut fields)?;
+    let (velocity, angles) = (figures(&mut fields)?, figures(&mut fields)?);
+    inspva(week, seconds, status_of(fields.next().ok_or(Unread::Malformed)?), place, velocity, angles)
+}
+
+fn inspvaxa(header: &str, body: &str) -> Result<Content, Unread> {
     let header_field = |index: usize| header.split(',').nth(index).ok_or(Unread::Malformed);
     let mut fields = body.split(',');
-    let mut next = || fields.next().ok_or(Unread::Malformed);
-    let status = next()?;
-    next()?;
-    let mut figures = [0.0; 19];
-    for place in &mut figures {
-        *place = number(next()?).ok_or(Unread::Malformed)?;
-    }
-    let three = |first: usize| [figures[first], figures[first + 1], figures[first + 2]];
-    let [lat_deg, lon_deg, altitude_m] = three(0);
-    let single = |first: usize| three(first).map(|figure| figure as f32);
+    let status = fields.next().ok_or(Unread::Malformed)?;
+    fields.next().ok_or(Unread::Malformed)?;
+    let [lat_deg, lon_deg, altitude_m, undulation_m] = figures(&mut fields)?;
+    let (velocity_mps, angles_deg) = (figures(&mut fields)?, figures(&mut fields)?);
+    let mut single = || figures(&mut fields).map(|sigma: [f64; 3]| sigma.map(|sigma| sigma as f32));
     Inspvax {
         week: header_field(5)?.parse().map_err(|_| Unread::Malformed)?,
         seconds: number(header_field(6)?).filter(|s| *s >= 0.0).ok_or(Unread::Malformed)?,
         timed: header_field(4)? != "UNKNOWN",
-        status: STATUS.iter().find(|(name, _)| *name == status).map_or(u32::MAX, |(_, number)| *number),
+        status: status_of(status),
         lat_deg,
         lon_deg,
         altitude_m,
-        undulation_m: figures[3],
-        velocity_mps: three(4),
-        angles_deg: three(7),
-        sigma_position_m: single(10),
-        sigma_velocity_mps: single(13),
-        sigma_angles_deg: single(16),
+        undulation_m,
+        velocity_mps,
+        angles_deg,
+        sigma_position_m: single()?,
+        sigma_velocity_mps: single()?,
+        sigma_angles_deg: single()?,
     }
     .checked()
+    .map(Content::Inspvax)
 }
 
 fn bytes_at<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {

@@ -45,6 +45,7 @@
 //! ```
 
 pub mod csv;
+mod kml;
 mod nmea;
 mod novatel;
 
@@ -147,6 +148,8 @@ impl Unwritable {
 pub(crate) enum OutputFormat {
     /// A table of comma-separated values.
     Csv,
+    /// A track of KML.
+    Kml,
     /// Messages.
     Messages(Format),
 }
@@ -156,6 +159,7 @@ impl OutputFormat {
     pub fn named(path: &Path, sentences: &[Sentence]) -> Option<Self> {
         Some(match path.extension()?.to_ascii_lowercase().to_str()? {
             "csv" => Self::Csv,
+            "kml" => Self::Kml,
             "nmea" => Self::Messages(Format::Nmea(sentences.to_vec())),
             "inspvaxa" => Self::Messages(Format::InspvaxAscii),
             "inspvax" | "inspvaxb" => Self::Messages(Format::InspvaxBinary),
@@ -171,6 +175,7 @@ impl OutputFormat {
         let mut bytes = Vec::new();
         match self {
             Self::Csv => csv::write(solutions, &mut bytes),
+            Self::Kml => kml::write(solutions, &mut bytes),
             Self::Messages(format) => {
                 for (number, solution) in (1..).zip(solutions) {
                     let written = format.write(solution, &mut bytes);

@@ -23,7 +23,7 @@
 
 use crate::nav::completion::{Completer, CompletionCounts, Reported};
 use crate::nav::decode::{Counts, Decoder};
-use crate::nav::epoch::Assembler;
+use crate::nav::epoch::{Assembler, AssemblyCounts};
 use crate::nav::{AttitudeSource, Fix, VerticalDatum};
 
 /// Makes fixes of bytes.
@@ -44,6 +44,12 @@ impl FixDecoder {
             assembler: Assembler::new(),
             completer: Completer::for_stream(datum, undulation_m, max_gap_s, headings),
         }
+    }
+
+    /// The same, where the first fix is of a day (since 1970-01-01), whatever the messages say.
+    pub fn dated(mut self, first_day: Option<i64>) -> Self {
+        self.assembler = Assembler::dated(first_day);
+        self
     }
 
     /// Takes the next bytes and calls with the fixes that they complete, in the order of their times.
@@ -76,6 +82,11 @@ impl FixDecoder {
     /// What was found among the bytes.
     pub fn messages(&self) -> &Counts {
         self.decoder.counts()
+    }
+
+    /// What was left and set right among the messages of an epoch.
+    pub fn assembly(&self) -> AssemblyCounts {
+        self.assembler.counts()
     }
 
     /// What was left and filled in.

@@ -27,6 +27,7 @@
 //!     datum: VerticalDatum::Ellipsoid,
 //!     undulation_m: 0.0,
 //!     attitude: AttitudeSource::Recorded,
+//!     first_day: None,
 //!     max_gap_s: 5.0,
 //!     max_extrapolation_s: 1.0,
 //!     timeout_s: 30.0,
@@ -43,7 +44,6 @@
 
 use std::collections::VecDeque;
 use std::fmt;
-use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,7 +56,9 @@ use thiserror::Error;
 
 use super::line::{self, Line, Received};
 use super::{FixDecoder, LiveSource, Origin, ReceivedFix};
-use crate::nav::Fix;
+use crate::nav::alternation::Alternation;
+use crate::nav::recording::Alternating;
+use crate::nav::{Fix, unpacked};
 use crate::time::TimeTag;
 
 /// The longest datagram, and more than a port holds.
@@ -99,6 +101,14 @@ pub struct FeedCounts {
     pub clock_steps: u64,
     /// Epochs with a position and no date: left.
     pub undated: u64,
+    /// Positions of another talker than the one that is used: left.
+    pub other_talkers: u64,
+    /// Positions with the time of one before, elsewhere: left.
+    pub repeated_times: u64,
+    /// Dates that changed late or early at midnight or at the end of a GPS week, set right.
+    pub dates_corrected: u64,
+    /// How far from each other two places are between which fixes alternate, m.
+    pub alternating_m: Option<f64>,
     /// Fixes reported.
     pub fixes: u64,
     /// Among all fixes: those without a height of their own.
@@ -127,13 +137,22 @@ impl fmt::Display for FeedCounts {
             (self.unknown, "of other kinds"),
             (self.out_of_order, "epochs out of order"),
             (self.clock_steps, "after a step of the clock"),
-            (self.undated, "without a date"),
+            (self.undated, "without a date (give it: date)"),
+            (self.other_talkers, "of another talker"),
+            (
+                self.repeated_times,
+                "with the time of the position before (a clock of whole seconds, or two receivers)",
+            ),
+            (self.dates_corrected, "dates set right"),
             (self.vanished, "times vanished"),
             (self.reopened, "times opened again"),
         ] {
             if count > 0 {
                 write!(f, "; {count} {what}")?;
             }
+        }
+        if let Some(apart_m) = self.alternating_m {
+            write!(f, "; {}", Alternating(apart_m))?;
         }
         Ok(())
     }
@@ -189,7 +208,9 @@ impl Feed {
         let shared = Arc::new(Shared { stop: AtomicBool::new(false), counts: Mutex::default() });
         let delivery = Delivery {
             shared: Arc::clone(&shared),
-            decoder: FixDecoder::new(source.datum, source.undulation_m, source.attitude, source.max_gap_s),
+            decoder: FixDecoder::new(source.datum, source.undulation_m, source.attitude, source.max_gap_s)
+                .dated(source.first_day),
+            alternation: Alternation::default(),
             deliver,
         };
         let builder = thread::Builder::new().name(format!("nav {name}"));
@@ -229,6 +250,7 @@ impl Drop for Feed {
 struct Delivery<F> {
     shared: Arc<Shared>,
     decoder: FixDecoder,
+    alternation: Alternation,
     deliver: F,
 }
 
@@ -236,6 +258,7 @@ impl<F: FnMut(ReceivedFix)> Delivery<F> {
     /// Brings the counts up to date.
     fn count(&self, change: impl FnOnce(&mut FeedCounts)) {
         let (messages, completion) = (*self.decoder.messages(), self.decoder.completion());
+        let assembly = self.decoder.assembly();
         self.shared.count(|counts| {
             counts.good = messages.good;
             counts.bad_checksum = messages.bad_checksum;
@@ -245,6 +268,9 @@ impl<F: FnMut(ReceivedFix)> Delivery<F> {
             counts.out_of_order = completion.out_of_order;
             counts.clock_steps = completion.clock_steps;
             counts.undated = completion.undated;
+            counts.other_talkers = assembly.other_talkers;
+            counts.repeated_times = assembly.repeated;
+            counts.dates_corrected = assembly.dates_corrected;
             counts.heights_filled = completion.heights_filled;
             counts.headings_filled = completion.headings_filled;
             change(counts);
@@ -253,7 +279,10 @@ impl<F: FnMut(ReceivedFix)> Delivery<F> {
 
     /// Counts first: whoever is reported a fix finds it in the counts.
     fn report(&mut self, fix: Fix, arrived: Instant) {
+        self.alternation.push(&fix);
+        let alternating_m = self.alternation.apart_m();
         self.shared.count(|counts| {
+            counts.alternating_m = alternating_m;
             counts.fixes += 1;
             counts.last_fix = Some(fix.time);
         });
@@ -305,17 +334,17 @@ fn listen<F: FnMut(ReceivedFix)>(mut line: Line, mut delivery: Delivery<F>) {
     }
 }
 
-fn whole_file(path: &Path) -> io::Result<File> {
+fn whole_file(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     // A folder can be opened, but not read.
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::Error::new(ErrorKind::InvalidInput, "not a file"));
     }
-    File::open(path)
+    unpacked::open(path)
 }
 
 /// A file that is replayed in time.
 struct Replay {
-    file: File,
+    file: Box<dyn Read + Send>,
     from: Option<TimeTag>,
     opened: Instant,
 }

@@ -33,6 +33,8 @@ pub struct LiveSource {
     pub undulation_m: f64,
     /// Where the attitude comes from.
     pub attitude: AttitudeSource,
+    /// The day of the first fix (since 1970-01-01), in place of the dates of the messages.
+    pub first_day: Option<i64>,
     /// The longest time between two fixes that is interpolated, s.
     pub max_gap_s: f64,
     /// The longest time after the last fix for which motion is extrapolated, s; beyond it, it is stale.

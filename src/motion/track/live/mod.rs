@@ -57,9 +57,9 @@ use std::time::Instant;
 use thiserror::Error;
 
 use self::path::{Entry, Grown};
-use super::fit::position;
 use crate::frames::{Enu, Point, SceneFrame, Vector};
 use crate::motion::hermite::STENCIL;
+use crate::motion::place::position;
 use crate::motion::track::State;
 use crate::nav::{AttitudeSource, Fix};
 use crate::time::TimeTag;
