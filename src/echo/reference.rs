@@ -35,9 +35,12 @@
 //! dB at 5e-5, the same for all samples of an echo) is not modelled. Neglected: acceleration within the
 //! pulse. The phase `f0 tau` is taken modulo one turn in f64: from orbit (5e7 turns) it is exact to 5e-8 rad.
 //!
-//! The transform is periodic. Its length leaves [`GUARD_SAMPLES`] between the end of a pulse and its image,
-//! so that nothing wraps into the window; echoes that cannot reach the window (further than the guard from
-//! it) are left out and counted.
+//! The transform is periodic. Its length leaves [`GUARD_SAMPLES`] and more between the window and the image
+//! of a pulse; echoes that cannot reach the window (further than [`GUARD_SAMPLES`] from it) are left out and
+//! counted. What the filter rings across that guard is some -70 dB of an echo: little beside echoes alike,
+//! but not beside those from a thousand times as far away. There
+//! [`far_guard_samples`](crate::radar::window::far_guard_samples) keeps images as far from the window's end
+//! as the window is long: what wraps is then no more than what rings there anyhow.
 //!
 //! # Time-sampled, unfiltered (reference A)
 //!
@@ -122,8 +125,20 @@ impl ReferenceEcho {
         window_samples: usize,
         channel_pairs: Vec<usize>,
     ) -> Self {
+        Self::with_guard(waveform, carrier_hz, sample_rate_hz, window_samples, channel_pairs, GUARD_SAMPLES)
+    }
+
+    /// The same with guards of so many samples, [`GUARD_SAMPLES`] at least.
+    pub fn with_guard(
+        waveform: Arc<dyn Waveform>,
+        carrier_hz: f64,
+        sample_rate_hz: f64,
+        window_samples: usize,
+        channel_pairs: Vec<usize>,
+        guard_samples: usize,
+    ) -> Self {
         let pulse_samples = waveform.span_samples(sample_rate_hz);
-        let fft_len = fast_len(window_samples + pulse_samples + 2 * GUARD_SAMPLES);
+        let fft_len = fast_len(window_samples + pulse_samples + 2 * guard_samples.max(GUARD_SAMPLES));
         let mut echo =
             Self::with_period(waveform, carrier_hz, sample_rate_hz, window_samples, channel_pairs, fft_len);
         echo.guard_s = GUARD_SAMPLES as f64 / sample_rate_hz;

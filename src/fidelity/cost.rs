@@ -151,7 +151,8 @@ impl Size {
         let [modulates, choppy] =
             [modulates, |sea: &Sea| sea.waves == Waves::Choppy].map(|of| scene.sea.as_ref().is_some_and(of));
         let pairs = generator.pairs().len() as f64;
-        let reach = radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 64;
+        let reach =
+            radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 2 * settings.guard_samples;
         let sampled = generator.sampled(SAMPLED);
         let moments = if settings.doppler == Doppler::Taylor { 2.0 } else { 1.0 };
         Self {

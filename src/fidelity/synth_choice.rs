@@ -155,7 +155,8 @@ impl Echoes<'_> {
         let widths = kernel_width.map_or(WIDTHS, |width| width..=width);
         let mut width = *widths.start();
         loop {
-            let settings = Settings { width, doppler, variant, ..Settings::default() };
+            let guard_samples = self.generator.guard_samples();
+            let settings = Settings { width, doppler, guard_samples, variant, ..Settings::default() };
             let (error, fft_len) = self.error(sampler, settings, budget.precision)?;
             if error.gridding <= OF_GRIDDING * budget.power || width >= *widths.end() {
                 return Ok((settings, error, fft_len));
@@ -259,11 +260,16 @@ impl Echoes<'_> {
             sum / groups.len().max(1) as f64
         };
         let of_facets = sampler.peak([1.0, 0.0]) * dopplers.iter().map(of_pair).fold(0.0, f64::max);
+        let law = |mean_hz: f64| {
+            let mean = about(mean_hz);
+            Law::new(2.0 * radar.carrier_hz * sampler.fastest(), |off_hz| mean.error_power(off_hz))
+        };
+        let mean_hz = dopplers.first().map_or(0.0, |(mean_hz, _)| *mean_hz);
+        let of_facets = of_facets + sampler.doppler_of_exact(&law(mean_hz));
         if self.generator.point_count() == 0 {
             return Ok(DopplerError { of_facets, of_points: Vec::new() });
         }
-        let mean = about(0.0);
-        let law = Law::new(2.0 * radar.carrier_hz * sampler.fastest(), |off_hz| mean.error_power(off_hz));
+        let law = law(0.0);
         Ok(DopplerError { of_facets, of_points: sampler.doppler_of_points(&law, blocks)? })
     }
 }

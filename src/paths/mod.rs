@@ -138,7 +138,7 @@ use crate::scene::{Radar, Scene, Target};
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
-use crate::radar::window::Window;
+use crate::radar::window::{GUARD_SAMPLES, Window};
 use facets::Reception;
 use sea::{SeaFailure, SeaPlan, SeaWork};
 pub use survey::BeyondHorizon;
@@ -221,6 +221,7 @@ pub struct PathGenerator {
     channel_pairs: Vec<usize>,
     fastest_target_mps: f64,
     axes_span_s: f64,
+    guard_samples: usize,
     hold_pulses: Option<u64>,
     sea: Option<Arc<SeaPlan>>,
     clocks: Option<Arc<RunningClocks>>,
@@ -299,6 +300,7 @@ impl PathGenerator {
             channel_pairs,
             fastest_target_mps,
             axes_span_s: 0.0,
+            guard_samples: GUARD_SAMPLES,
             hold_pulses: None,
             sea: None,
             clocks: None,
@@ -325,6 +327,7 @@ impl PathGenerator {
             return Err(RadarError::Faults(faults));
         }
         built.axes_span_s = built.longest_delay_s()?;
+        built.guard_samples = built.find_guard_samples()?;
         built.let_it_rain(scene)?;
         Ok(built)
     }

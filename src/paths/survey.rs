@@ -6,7 +6,7 @@ use crate::frames::Earth;
 use crate::geometry::horizon;
 use crate::paths::emission::Emission;
 use crate::radar::fault::{RadarError, RadarFault, TrackUse, mounts};
-use crate::radar::window::Window;
+use crate::radar::window::{GUARD_SAMPLES, Window, far_guard_samples};
 use crate::scattering::target::Scatterer;
 use crate::scene::radar::{Aim, AimFrom, Pointing};
 use crate::scene::sea::PatchPlace;
@@ -15,6 +15,10 @@ use crate::scene::{Patch, Sea};
 /// Share of the distance to the horizon within which a patch is far from it, between the instants that are
 /// evaluated too.
 const NEAR_HORIZON: f64 = 0.9;
+
+/// Ratio of the delays of the last and the first echo of a window from which on one is far and the other
+/// near: 24 dB by the fourth power of distance.
+const FAR: f64 = 4.0;
 
 /// A target that the earth hides.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +55,38 @@ impl PathGenerator {
             }
         }
         Ok(longest_s)
+    }
+
+    /// Samples that images of pulses keep from the window, on either side: more where the window holds echoes
+    /// from near by and from far away, at any of a few dozen instants spread over the run.
+    pub(super) fn find_guard_samples(&self) -> Result<usize, RadarError> {
+        let mut emission = Emission::default();
+        if self.pulses == 0 {
+            return Ok(GUARD_SAMPLES);
+        }
+        for index in self.checked_pulses() {
+            self.evaluate(index, &mut emission)?;
+            let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
+            let span = self.delay_span_s(index, &emission, window)?;
+            let first_s = window.open_s - window.guard_s - window.pulse_s;
+            // A window may hold the next emission's echoes from near by.
+            let next_s = self.radar.emissions.interval_s(index, index + 1);
+            let in_window = |(nearest_s, _): (f64, f64)| {
+                let next = next_s + nearest_s < window.close_s + window.guard_s;
+                if next { nearest_s } else { nearest_s.max(first_s) }
+            };
+            let of_rain = self.radar.rain_clutter.map(|_| first_s.max(0.0));
+            let nearest_s = span.map(in_window).into_iter().chain(of_rain).fold(f64::INFINITY, f64::min);
+            if window.close_s - window.pulse_s > FAR * nearest_s.max(0.0) {
+                return Ok(far_guard_samples(self.radar.window.samples));
+            }
+        }
+        Ok(GUARD_SAMPLES)
+    }
+
+    /// Samples between the receive window and the image of a pulse in the transform of an echo.
+    pub fn guard_samples(&self) -> usize {
+        self.guard_samples
     }
 
     /// Where the patch lies at a few dozen instants spread over the run, with their times after pulse 0, s.

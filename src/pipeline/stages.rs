@@ -86,7 +86,8 @@ impl Echo {
         let (carrier_hz, rate_hz, samples) = (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
         let waveform = Arc::clone(waveform);
         let Some(Plan { chosen, .. }) = plan else {
-            let echo = ReferenceEcho::new(waveform, carrier_hz, rate_hz, samples, of_channels.to_vec());
+            let (pairs, guard) = (of_channels.to_vec(), generator.guard_samples());
+            let echo = ReferenceEcho::with_guard(waveform, carrier_hz, rate_hz, samples, pairs, guard);
             return Ok(Self::Reference(echo));
         };
         if chosen.precision == Precision::Double {

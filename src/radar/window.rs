@@ -5,6 +5,18 @@ use crate::scene::Radar;
 /// Samples at both ends of the window whose scatterer paths still reach into it through the receive filter.
 pub const GUARD_SAMPLES: usize = 32;
 
+/// Samples between a window that holds echoes from near by and from far away and the image of a pulse, on
+/// either side: images then lie as far from its end as it is long.
+pub fn far_guard_samples(window_samples: usize) -> usize {
+    GUARD_SAMPLES + window_samples.div_ceil(2)
+}
+
+/// What the filter rings of an echo beyond either of its ends, in samples of full power, and the samples in
+/// which that falls off: by their fifth power, as its impulse response falls by the third. Within 3 dB of
+/// what sweeps of half to 0.8 of the sample rate leave from 4 to 32 samples on.
+const RINGING: f64 = 0.15;
+const RINGING_SAMPLES: f64 = 2.0;
+
 /// What is received: from when to when, after the emission of the window's own pulse.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
@@ -30,8 +42,66 @@ impl Window {
         begin_s <= self.close_s + self.guard_s && begin_s + self.pulse_s >= self.open_s - self.guard_s
     }
 
+    /// How much an echo that begins at `begin_s` counts: 1 where a part of it lies in the window, else the
+    /// share of its energy that the filter rings into it, about; 0 for one that does not touch it.
+    pub(crate) fn share(&self, begin_s: f64) -> f64 {
+        let apart_s = (self.open_s - (begin_s + self.pulse_s)).max(begin_s - self.close_s);
+        if apart_s <= 0.0 {
+            return 1.0;
+        }
+        if !self.touches(begin_s) {
+            return 0.0;
+        }
+        let per_s = GUARD_SAMPLES as f64 / self.guard_s;
+        let falls = (apart_s * per_s / RINGING_SAMPLES).powi(5);
+        RINGING / (1.0 + falls) / (self.pulse_s * per_s).max(1.0)
+    }
+
     /// Whether an echo that begins at `begin_s` lies in the window from end to end.
     pub(crate) fn holds(&self, begin_s: f64) -> bool {
         begin_s >= self.open_s && begin_s + self.pulse_s <= self.close_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::radar::filter::ReceiveFilter;
+    use crate::radar::waveform::{Lfm, Waveform};
+    use crate::scene::radar::Sweep;
+
+    /// The share against the energy of a filtered sweep beyond its end, on samples a sixteenth apart.
+    #[test]
+    fn what_rings_into_a_window_is_known() {
+        let (samples, fine) = (40.0, 16usize);
+        let n = 4096 * fine;
+        for band in [0.5, 0.72, 0.8] {
+            let pulse = Lfm::new(band, samples, Sweep::Up).unwrap();
+            let filter = ReceiveFilter::new(1.0);
+            let mut out: Vec<_> = (0..n)
+                .map(|k| {
+                    let f = if 2 * k < n { k as f64 } else { k as f64 - n as f64 } / 4096.0;
+                    if f.abs() < 0.5 { pulse.spectrum(f) * filter.response(f) } else { 0.0.into() }
+                })
+                .collect();
+            nereus_fft::inverse(n).process(&mut out);
+            // Sums over time of |q|^2, q of unit amplitude.
+            let power = |from: f64, to: f64| -> f64 {
+                let of = |j: usize| (out[j] / 4096.0).norm_sqr() / fine as f64;
+                ((from * fine as f64) as usize..(to * fine as f64) as usize).map(of).sum()
+            };
+            let window = Window { open_s: 100.0, close_s: 1000.0, guard_s: 32.0, pulse_s: samples };
+            for apart in [4.0, 7.0, 12.0, 20.0, 31.0] {
+                let wanted = power(samples + apart, samples + 1000.0) / samples;
+                let found = window.share(window.open_s - samples - apart);
+                let db = 10.0 * (found / wanted).log10();
+                println!("band {band}, {apart} samples apart: {db:.1} dB");
+                assert!((-10.0..8.0).contains(&db), "{band} {apart}: {db}");
+            }
+        }
+        let window = Window { open_s: 100.0, close_s: 1000.0, guard_s: 32.0, pulse_s: 40.0 };
+        assert_eq!([60.0, 100.0, 999.0, 1000.0].map(|begin_s| window.share(begin_s)), [1.0; 4]);
+        assert_eq!([20.0, 1040.0, f64::NAN].map(|begin_s| window.share(begin_s)), [0.0; 3]);
+        assert_eq!(Window::UNBOUNDED.share(7.0), 1.0);
     }
 }

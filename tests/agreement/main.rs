@@ -19,6 +19,7 @@ mod low_grazing;
 mod matched_filter;
 mod measured;
 mod modulation;
+mod near;
 mod planned;
 mod radar_equation;
 mod random_scene;

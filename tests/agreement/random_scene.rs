@@ -1,8 +1,9 @@
 //! Random legal scenarios: the same seed is the same file, whatever was drawn before.
 //!
 //! Drones near by, aircraft, coasts, ships' radars, orbits and pairs of these, over all bands, spectra,
-//! antennas and options of the sea, on patches so small that all pulses can be compared. The window holds the
-//! echo of the whole patch, or now and then half of it.
+//! antennas and options of the sea, on patches so small that all pulses can be compared. Some antennas stand
+//! in the patch or pass over it, and look past what lies below them. The window holds the echo of the whole
+//! patch, or now and then half of it; of a patch about an antenna sometimes only what is farther away.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -137,6 +138,8 @@ struct Geometry {
     lasts_s: f64,
     own: Flight,
     other: Flight,
+    /// Whether an antenna is above the patch.
+    above: bool,
 }
 
 /// Waveform and receive window.
@@ -189,16 +192,25 @@ impl Geometry {
         let lasts_s = (f64::from(pulses) - 0.5) / prf_hz;
         let own = Flight::drawn(draw, kind, lasts_s);
         let other = if bistatic { Flight::drawn(draw, partner, lasts_s) } else { own };
-        Self { kind, partner, bistatic, carrier_hz, facet_m, size_m, prf_hz, lasts_s, own, other }
+        let above = kind.name != "orbit" && draw.chance(0.25);
+        let own = if above { own.over(draw, size_m, lasts_s) } else { own };
+        let other = if bistatic { other } else { own };
+        Self { kind, partner, bistatic, carrier_hz, facet_m, size_m, prf_hz, lasts_s, own, other, above }
     }
 
     /// Least and greatest delay of the corners and the middle at both ends and in the middle of the run, with
     /// room for waves, s.
     fn delays_s(&self) -> [f64; 2] {
-        let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5], [0.0, 0.0]];
+        let mut places = vec![[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5], [0.0, 0.0]];
+        // What lies nearest to either antenna at these times.
+        for (flight, t_s) in [&self.own, &self.other].iter().flat_map(|of| [0.0, 0.5, 1.0].map(|s| (*of, s)))
+        {
+            let at = |i: usize| flight.position_m[i] + flight.velocity_mps[i] * t_s * self.lasts_s;
+            places.push([0, 1].map(|i| (at(i) / self.size_m[i]).clamp(-0.5, 0.5)));
+        }
         let (mut nearest_s, mut farthest_s) = (f64::INFINITY, 0.0f64);
         for t_s in [0.0, 0.5 * self.lasts_s, self.lasts_s] {
-            for corner in corners {
+            for corner in &places {
                 let leg = |flight: &Flight| {
                     let place = [corner[0] * self.size_m[0], corner[1] * self.size_m[1], 0.0];
                     let d = [0, 1, 2].map(|i| flight.position_m[i] + flight.velocity_mps[i] * t_s - place[i]);
@@ -232,6 +244,16 @@ impl Flight {
     }
 }
 
+impl Flight {
+    /// The same over a place in the patch about the middle of the run.
+    fn over(self, draw: &mut Draw, size_m: [f64; 2], lasts_s: f64) -> Self {
+        let at = size_m.map(|side_m| draw.between(-0.5, 0.5) * side_m);
+        let back_m = self.velocity_mps.map(|mps| 0.5 * mps * lasts_s);
+        let height_m = self.position_m[2];
+        Self { position_m: [at[0] - back_m[0], at[1] - back_m[1], height_m], ..self }
+    }
+}
+
 impl Signal {
     /// A few to some tens of cells over the patch, and a window that is not too long.
     fn drawn(draw: &mut Draw, geometry: &Geometry) -> Self {
@@ -248,8 +270,10 @@ impl Signal {
             .min(0.3 / geometry.prf_hz)
             .min(3000.0 / rate_hz);
         let whole = draw.chance(0.85);
-        let samples = (((if whole { span_s } else { 0.5 * span_s }) + pulse_s) * rate_hz).ceil() as u64 + 8;
-        Self { bandwidth_hz, rate_hz, pulse_s, opens_s: nearest_s, samples }
+        let later_s = if geometry.above && draw.chance(0.5) { draw.between(0.0, 0.8) * span_s } else { 0.0 };
+        let span_s = if whole { span_s - later_s } else { 0.5 * (span_s - later_s) };
+        let samples = ((span_s + pulse_s) * rate_hz).ceil() as u64 + 8;
+        Self { bandwidth_hz, rate_hz, pulse_s, opens_s: nearest_s + later_s, samples }
     }
 }
 
@@ -330,6 +354,14 @@ fn radar(draw: &mut Draw, geometry: &Geometry, signal: &Signal, out: &mut String
     if *bistatic && draw.chance(0.1) {
         line!(out, "direct_path = true");
     }
+    if draw.chance(0.1) && channels.contains("VV") {
+        line!(out, "tx_polarisation = \"alternating\"");
+    }
+    // Up to where drops scatter by Rayleigh's law.
+    if geometry.kind.name != "orbit" && *carrier_hz < 2e10 && draw.chance(0.06) {
+        let (rain_mmph, top_m) = (draw.log(0.5, 20.0), draw.between(300.0, 4000.0));
+        line!(out, "rain_mmph = {rain_mmph:?}\nrain_clutter = true\nrain_top_m = {top_m:?}");
+    }
     let sweep = draw.one(&["up", "down"]);
     line!(
         out,
@@ -390,7 +422,9 @@ fn antennas(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
             line!(out, "cross_pol_isolation_db = {:?}", draw.between(20.0, 40.0));
         }
         line!(out, "antenna = {antenna}");
-        let off = [0, 1].map(|i| draw.between(-0.3, 0.3) * size_m[i]);
+        // From above also past the patch: what lies below is then in side lobes.
+        let far = if geometry.above && draw.chance(0.6) { draw.log(1.0, 100.0) } else { 1.0 };
+        let off = [0, 1].map(|i| far * draw.between(-0.3, 0.3) * size_m[i]);
         line!(out, "pointing = {{ kind = \"at\", position_m = [{:?}, {:?}, 0.0] }}", off[0], off[1]);
     }
 }

@@ -124,6 +124,8 @@ pub struct Settings {
     /// Width of the bands of Doppler that a pulse by itself is split into, Hz ([`bands`]); `None`: one for
     /// all.
     pub band_hz: Option<f64>,
+    /// Samples between the window and the image of a pulse, on either side; [`GUARD_SAMPLES`] at least.
+    pub guard_samples: usize,
     /// Which instructions; `None` takes the fastest that this CPU has.
     pub variant: Option<Variant>,
 }
@@ -137,6 +139,7 @@ impl Default for Settings {
             doppler: Doppler::Mean,
             envelope: Envelope::Stretched,
             band_hz: None,
+            guard_samples: GUARD_SAMPLES,
             variant: None,
         }
     }
@@ -292,7 +295,7 @@ impl<T: Scalar> Synth<T> {
         // Checks width and oversampling, before they size a grid.
         Kernel::new(settings.width, settings.oversampling)?;
         let pulse_samples = waveform.span_samples(sample_rate_hz);
-        let reach = window_samples + pulse_samples + 2 * GUARD_SAMPLES;
+        let reach = window_samples + pulse_samples + 2 * settings.guard_samples.max(GUARD_SAMPLES);
         let fft_len = fast_len(reach);
         let period = fast_len((fft_len as f64 * settings.oversampling).ceil() as usize);
         if period > MAX_CELLS {

@@ -245,7 +245,8 @@ impl Interval<'_> {
         let steps: Vec<usize> = gain_instants(pulses, gain_step(pulses, pulses)).collect();
         let (first, gain_weights) = gain_weights(&steps, probe);
         for i in lanes {
-            if !truth.received[i] {
+            let share = truth.share[i];
+            if share <= 0.0 {
                 continue;
             }
             // Gains and shadows are those of the probe; of the block's own factor counts whether a facet has
@@ -274,8 +275,8 @@ impl Interval<'_> {
                 let [re, im] = &truth.amplitude[at];
                 let own = Complex64::new(re[i].into(), im[i].into()) * exact;
                 let value = Complex64::new(value.re.into(), value.im.into()) * found;
-                sum[0][*channel].0[bin].add(own.norm_sqr() * radians, cell);
-                sum[1][*channel].0[bin].add((value - own).norm_sqr(), cell);
+                sum[0][*channel].0[bin].add(share * own.norm_sqr() * radians, cell);
+                sum[1][*channel].0[bin].add(share * (value - own).norm_sqr(), cell);
             }
         }
     }

@@ -32,15 +32,15 @@
 //! Limits: [`TILES`] x 256 facets; a beam that illuminates fewer than some hundred of them is sampled poorly
 //! (10 % of 100). What moves the platforms between the places is not seen.
 
+mod exact;
 mod interpolation_error;
 mod known;
 mod line;
 pub mod points;
+mod profile;
 mod sweep;
 
 use std::ops::Range;
-
-use num_complex::Complex64;
 
 use self::known::Known;
 use super::turning::Cosines;
@@ -49,15 +49,16 @@ use crate::cpu::Variant;
 use crate::fidelity::echo_settings::block_pulses;
 use crate::fidelity::sidelobe::Candidates;
 use crate::geometry::lanes::Row;
-use crate::paths::block::probe::{Keep, SampledTile, Shadows};
+use crate::paths::block::probe::{Keep, SampledTile};
 use crate::paths::block::{FEW, Instants, TileWork};
-use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Workspace};
 use crate::radar::fault::RadarError;
 use crate::radar::waveform::Waveform;
+use crate::radar::window::Window;
 use crate::scene::{Patch, Radar};
 
-use points::Points;
+use exact::ExactPulse;
+use points::{Law, Points};
 
 pub use interpolation_error::{InterpolationError, Probed};
 pub use sweep::{Sweeps, Swept};
@@ -95,7 +96,8 @@ struct Truth {
     rate: Vec<f64>,
     amplitude: Vec<[Row; 2]>,
     factor: Row,
-    received: Vec<bool>,
+    /// How much the window receives of each ([`Window::share`]).
+    share: Vec<f64>,
     /// Cosines of the local angles, transmitter and receiver.
     cosine: [Row; 2],
 }
@@ -104,6 +106,11 @@ impl Truth {
     /// Power of a facet in all channels of the pair.
     fn power(&self, i: usize) -> f64 {
         self.amplitude.iter().map(|a| square(a, i)).sum::<f64>() * f64::from(self.factor[i]).powi(2)
+    }
+
+    /// The same as the window receives it; 0 of what is no number.
+    fn received(&self, i: usize) -> f64 {
+        if self.share[i] > 0.0 { self.power(i) * self.share[i] } else { 0.0 }
     }
 
     /// Power of a facet in the channel that receives most of it.
@@ -132,6 +139,8 @@ pub struct ErrorSampler<'a> {
     turning: bool,
     /// `(pair, Doppler Hz, power W)` of facets, all places.
     dopplers: Vec<(usize, f64, f64)>,
+    /// Breaking waves and rain of the pulses of the profile.
+    exact_pulses: Vec<ExactPulse>,
     /// `[pair]`: power of the points at all places, and its sum with their Doppler.
     dopplers_of_points: Vec<(f64, f64)>,
     /// Largest rate of a delay of facets.
@@ -188,6 +197,7 @@ impl<'a> ErrorSampler<'a> {
             interpolates: true,
             turning: false,
             dopplers: Vec::new(),
+            exact_pulses: Vec::new(),
             dopplers_of_points: vec![(0.0, 0.0); pairs],
             fastest: 0.0,
             power: vec![0.0; all],
@@ -217,91 +227,12 @@ impl<'a> ErrorSampler<'a> {
         Ok(own)
     }
 
-    /// Power over the run; shows the strongest pulse.
-    fn profile(&mut self) -> Result<u64, RadarError> {
-        let count = PROFILE.min(self.pulses);
-        let (mut strongest, mut most) = (self.points.loudest, 0.0);
-        for (step, index) in spread_over(self.pulses, count).enumerate() {
-            let patch = self.generator.patch_of(index)?;
-            // The waves of the first stand for all.
-            let truths = self.illuminate(
-                index,
-                patch.as_ref(),
-                Keep { shadows: if step > 0 { Shadows::Keep } else { Shadows::Find }, surface: step > 0 },
-            )?;
-            let [powers, worst] = self.powers(index, &truths)?;
-            self.count_kept(&truths, count as f64);
-            self.find_turning(&truths);
-            for (lanes, bin) in
-                truths.iter().step_by(self.channels.len().max(1)).flat_map(|truth| &truth.runs)
-            {
-                self.gains[*bin] += lanes.len() as f64;
-            }
-            let all: f64 = powers.iter().sum();
-            if all > most {
-                (strongest, most) = (index, all);
-            }
-            for (mean, own) in self.power.iter_mut().zip(powers) {
-                *mean += own / count as f64;
-            }
-            let [broken, rain] = self.power_of_exact(index, patch.as_ref())?;
-            for own in [&broken, &rain] {
-                self.power.iter_mut().zip(own).for_each(|(mean, own)| *mean += own / count as f64);
-            }
-            for (((highest, own), broken), rain) in self.highest.iter_mut().zip(worst).zip(broken).zip(rain) {
-                *highest = highest.max(own + MOST_OF_EXACT * (broken + rain));
-            }
-        }
-        let weight = self.sampled();
-        self.power.iter_mut().zip(&self.points.power).for_each(|(mean, own)| *mean += weight * own);
-        Ok(strongest)
-    }
-
-    /// Breaking waves of a pulse, seen as its sample is, and its rain.
-    fn exact(&mut self, index: u64, patch: Option<&Patch>) -> Result<[ScattererPaths; 2], RadarError> {
-        let empty = || ScattererPaths::new(self.channels.len(), self.radar.channels.len(), 0);
-        let mut both = [empty(), empty()];
-        let [breakers, rain] = &mut both;
-        if let (Some(patch), Some(tiles), true) =
-            (patch, &mut self.tiles, self.generator.breakers_alive() > 0.0)
-        {
-            self.generator.breakers((index, 0), patch, tiles, &mut self.memory, breakers)?;
-        }
-        self.generator.rain_at(index, &mut self.memory, rain)?;
-        Ok(both)
-    }
-
-    /// Their powers by channel, as those of a sample as small as that of the facets.
-    fn power_of_exact(&mut self, index: u64, patch: Option<&Patch>) -> Result<[Powers; 2], RadarError> {
-        let (both, weight) = (self.exact(index, patch)?, self.sampled());
-        let of = |column: &Vec<Complex64>| weight * column.iter().map(Complex64::norm_sqr).sum::<f64>();
-        Ok(both.map(|paths| paths.amplitude.iter().map(of).collect()))
-    }
-
-    /// Adds the Doppler of the breaking waves and the rain of a pulse to that of facets.
-    fn add_exact_at(&mut self, index: u64, patch: Option<&Patch>) -> Result<(), RadarError> {
-        let (both, weight) = (self.exact(index, patch)?, self.sampled());
-        for (paths, (pair, n)) in both.iter().flat_map(|paths| {
-            let of = |(pair, rates): (usize, &Vec<f64>)| (0..rates.len()).map(move |n| (pair, n));
-            paths.delay_rate.iter().enumerate().flat_map(of).map(move |at| (paths, at))
-        }) {
-            let of = |channel: &usize| paths.amplitude[*channel][n].norm_sqr();
-            let power = weight * self.channels[pair].iter().map(of).sum::<f64>();
-            if power > 0.0 {
-                let rate = paths.delay_rate[pair][n];
-                self.dopplers.push((pair, self.radar.carrier_hz * rate, power));
-                self.fastest = self.fastest.max(rate.abs());
-            }
-        }
-        Ok(())
-    }
-
     /// Whether facets turn away from an antenna at a pulse.
     fn find_turning(&mut self, truths: &[Truth]) {
         let mut cosines = vec![[Cosines::default(); 2]; self.channels.len()];
         for (n, truth) in truths.iter().enumerate() {
             for (of, cosine) in cosines[n % self.channels.len()].iter_mut().zip(&truth.cosine) {
-                (0..truth.count).filter(|i| truth.received[*i]).for_each(|i| of.add(cosine[i].into()));
+                (0..truth.count).filter(|i| truth.share[*i] > 0.0).for_each(|i| of.add(cosine[i].into()));
             }
         }
         self.turning |= cosines.as_flattened().iter().any(Cosines::reach_zero);
@@ -311,15 +242,15 @@ impl<'a> ErrorSampler<'a> {
     fn count_kept(&mut self, truths: &[Truth], pulses: f64) {
         let pairs = self.channels.len().max(1);
         for pair in 0..pairs {
-            let sums: Vec<f64> = truths
+            let sums: Vec<[f64; 2]> = truths
                 .iter()
                 .skip(pair)
                 .step_by(pairs)
-                .flat_map(|truth| (0..truth.count).map(|i| truth.power(i)))
+                .flat_map(|truth| (0..truth.count).map(|i| [truth.power(i), truth.received(i)]))
                 .collect();
-            let mean = sums.iter().sum::<f64>() / sums.len().max(1) as f64;
+            let mean = sums.iter().map(|[_, received]| received).sum::<f64>() / sums.len().max(1) as f64;
             for (least, kept) in LEASTS.iter().zip(&mut self.kept) {
-                let above = sums.iter().filter(|sum| **sum > 0.0 && **sum >= least * mean).count();
+                let above = sums.iter().filter(|[sum, _]| *sum > 0.0 && *sum >= least * mean).count();
                 *kept += above as f64 / (sums.len().max(1) * pairs) as f64 / pulses;
             }
         }
@@ -337,8 +268,8 @@ impl<'a> ErrorSampler<'a> {
         for (n, truth) in truths.iter().enumerate() {
             for (channel, a) in self.channels[n % self.channels.len()].iter().zip(&truth.amplitude) {
                 for (lanes, _) in &truth.runs {
-                    for i in lanes.clone().filter(|i| truth.received[*i]) {
-                        let w = square(a, i) * f64::from(truth.factor[i]).powi(2);
+                    for i in lanes.clone().filter(|i| truth.share[*i] > 0.0) {
+                        let w = square(a, i) * f64::from(truth.factor[i]).powi(2) * truth.share[i];
                         sums[*channel].add(w, cells.of(truth.delay_s[i]));
                     }
                     sums[*channel].close();
@@ -430,9 +361,9 @@ impl<'a> ErrorSampler<'a> {
         for (n, truth) in truths.iter().enumerate() {
             let pair = n % pairs;
             for i in 0..truth.count {
-                let sum = truth.power(i);
+                let sum = truth.received(i);
                 means_w[pair] += sum;
-                if truth.received[i] && sum > 0.0 {
+                if sum > 0.0 {
                     self.dopplers.push((pair, scale * truth.rate[i], sum));
                     self.fastest = self.fastest.max(truth.rate[i].abs());
                 }
@@ -464,9 +395,8 @@ impl<'a> ErrorSampler<'a> {
                     }
                     for (truth, channels) in tile.iter().zip(&self.channels) {
                         for (a, channel) in truth.amplitude.iter().zip(channels) {
-                            let received = lost().filter(|i| truth.received[*i]);
-                            sums[*channel] += received
-                                .map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2))
+                            sums[*channel] += lost()
+                                .map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2) * truth.share[i])
                                 .sum::<f64>();
                         }
                     }
@@ -510,8 +440,7 @@ impl<'a> ErrorSampler<'a> {
         let mut truths = Vec::new();
         let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else { return Ok(truths) };
         let opens_s = self.generator.window_start_of(at)?;
-        let closes_s = opens_s + self.radar.window.samples as f64 / self.radar.sample_rate_hz;
-        let within = (opens_s - self.pulse_s)..closes_s;
+        let window = Window::new(self.radar, opens_s, self.pulse_s);
         let instants = Instants::of_block(at, 1, 1, 1).into();
         let candidates = &self.candidates;
         self.generator.sample_tiles(&instants, patch, TILES, keep, tiles, |sampled| {
@@ -523,7 +452,7 @@ impl<'a> ErrorSampler<'a> {
                 rate: node.delay_rate.to_vec(),
                 amplitude: epoch.rows(),
                 factor: sampled.of.factor[0],
-                received: node.delay_s.iter().map(|delay_s| within.contains(delay_s)).collect(),
+                share: node.delay_s.iter().map(|delay_s| window.share(*delay_s)).collect(),
                 cosine: epoch.cosine,
             });
         })?;

@@ -154,7 +154,7 @@ impl Law {
     }
 
     /// The root of the error power.
-    fn root(&self, hz: f64) -> f64 {
+    pub(super) fn root(&self, hz: f64) -> f64 {
         let at = hz.ln();
         if hz == 0.0 || at <= self.knots[0].0 {
             return (0.5 * self.knots[0].1).exp();

@@ -12,6 +12,7 @@ use crate::paths::block::{
     Instants, Sidelobe, Tiers, gain_instants, gain_step, gain_weights, sidelobe_gain_pulses,
 };
 use crate::radar::fault::RadarError;
+use crate::radar::window::Window;
 
 /// What interpolation between instants of gain leaves.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -89,17 +90,19 @@ struct Exact {
     factor: Vec<Row>,
     amplitude: Vec<[Row; 2]>,
     delay_s: Vec<f64>,
+    /// How much the window receives of each.
+    share: Vec<f64>,
     /// As [`runs_of`] has them.
     runs: Vec<(Range<usize>, usize)>,
 }
 
 impl Exact {
-    /// Square of what a facet's factor is off at a pulse with a gain that was found.
+    /// Square of what a facet's factor is off at a pulse with a gain that was found, as it is received.
     fn off(&self, pulse: usize, i: usize, found: f32) -> f64 {
         let exact = self.gains[pulse][i];
         // Shadows and facets that turn away.
         let seen = if exact == 0.0 { 1.0 } else { self.factor[pulse][i] / exact };
-        f64::from((found - exact) * seen).powi(2)
+        f64::from((found - exact) * seen).powi(2) * self.share[i]
     }
 }
 
@@ -173,6 +176,8 @@ impl ErrorSampler<'_> {
         let mut sums = [none(), none()];
         let (pairs, mut exact) = (self.channels.len(), Vec::new());
         let block = Instants::of_block(first, pulses, 1, 1);
+        let opens_s = self.generator.window_start_of(first)?;
+        let window = Window::new(self.radar, opens_s, self.pulse_s);
         for (tier, sums) in sums.iter_mut().enumerate() {
             // Gains of sidelobe tiles at every pulse, too, but with directions that are straight from end to
             // end of the block.
@@ -182,11 +187,13 @@ impl ErrorSampler<'_> {
                 if tier == 0 { Keep::default() } else { Keep { shadows: Shadows::Keep, surface: true } };
             self.generator.sample_tiles(&tiers, &patch, TILES, keep, tiles, |sampled| {
                 if tier == 0 {
+                    let delays_s = &sampled.of.nodes()[0].paths.delay_s;
                     exact.push(Exact {
                         gains: sampled.gains.to_vec(),
                         factor: sampled.of.factor.clone(),
                         amplitude: sampled.of.epochs()[0].rows(),
-                        delay_s: sampled.of.nodes()[0].paths.delay_s.to_vec(),
+                        delay_s: delays_s.to_vec(),
+                        share: delays_s.iter().map(|delay_s| window.share(*delay_s)).collect(),
                         runs: runs_of(sampled, candidates),
                     });
                 }

@@ -42,6 +42,7 @@ impl PathGenerator {
     /// Evaluates the tile of the runs at hand: [`TileWork::tile`]. Facets that return nothing to any pair at
     /// any pulse are left out.
     pub(super) fn evaluate_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
+        work.batch.reflects = false;
         self.place(patch, work);
         self.sight(work);
         self.keep_illuminated(work);

@@ -81,7 +81,7 @@ use runs::{Cut, Run};
 use shadows::{Heights, Maker, ShadowWeights};
 pub use tile::{CHANNELS_PER_LAYER, Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of};
 use timing::Timings;
-use travelling::{Part, Specular};
+use travelling::Part;
 
 /// Tiles that are evaluated to learn what a block returns.
 pub const SAMPLED: usize = 48;
@@ -104,9 +104,7 @@ pub struct Tally {
 pub struct Sample {
     /// Mean of the delay rate of those that the window receives, weighted by power.
     pub mean_rate: f64,
-    /// Mean power of a facet, all channels of the pair, W.
-    pub mean_power_w: f64,
-    /// The same without those that the window does not receive.
+    /// Mean power of a facet, all channels of the pair, as the window receives it, W.
     pub received_power_w: f64,
 }
 
@@ -134,8 +132,6 @@ pub struct TileWork {
     keys: [[i64; 2]; LANES],
     /// What the tile at hand is of, where waves travel.
     part: Part,
-    /// Whether specular points add to the block.
-    specular: bool,
     /// Land of the tile at hand.
     land: Box<LandRows>,
     /// Phasors of a group of facets, where waves travel.
@@ -212,7 +208,7 @@ impl PathGenerator {
         costs.lap(Stage::Shadow);
         let opens_s = self.window_start_of(first + (instants.pulses / 2) as u64)?;
         let window = Window::new(&self.radar, opens_s, self.pulse_length_s);
-        let (mut facets, mut specular) = (0, Specular::default());
+        let mut facets = 0;
         work.part = Part::Still;
         for runs in Cut::of(patch.facets).sample(SAMPLED) {
             facets += work.take(runs);
@@ -220,16 +216,11 @@ impl PathGenerator {
             for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
                 pair.add_to(sample, work.tile.count, &window);
             }
-            if sea.scattering.travelling().is_some() {
-                self.add_specular(sea, patch, work, &mut specular);
-            }
         }
-        work.specular = specular.counts();
         for sample in samples {
             if sample.received_power_w > 0.0 {
                 sample.mean_rate /= sample.received_power_w;
             }
-            sample.mean_power_w /= facets.max(1) as f64;
             sample.received_power_w /= facets.max(1) as f64;
         }
         costs.lap(Stage::ScattererPaths);
@@ -249,16 +240,16 @@ impl PathGenerator {
     ) -> Tally {
         let mut tally = Tally::default();
         let Some(sea) = &self.sea else { return tally };
-        let (part, more) = Part::of_block(sea.scattering.travelling().is_some(), work.specular);
+        let first = Part::first(sea.scattering.travelling().is_some());
         let mut again = Tally::default();
         for runs in Cut::of(patch.facets).tiles() {
             let facets = work.take(runs) as u64;
             tally.facets += facets;
-            for (part, tally) in
-                std::iter::once((part, &mut tally)).chain(more.map(|part| (part, &mut again)))
-            {
-                work.part = part;
+            let (mut part, mut tally) = (Some(first), &mut tally);
+            while let Some(own) = part {
+                work.part = own;
                 self.evaluate_tile(sea, patch, work);
+                part = own.then(work.batch.reflects);
                 if work.tile.tier == Tier::Sidelobe {
                     tally.sidelobe += facets;
                 }
@@ -268,6 +259,7 @@ impl PathGenerator {
                     each(&work.tile);
                     costs.lap(Stage::Spread);
                 }
+                tally = &mut again;
             }
         }
         work.part = Part::Still;
@@ -323,7 +315,6 @@ impl SeaPlan {
             places_m: [[0.0; LANES]; 2],
             keys: [[0; 2]; LANES],
             part: Part::Still,
-            specular: false,
             land: LandRows::boxed(),
             turns: Vec::new(),
             bounds_m: [[0.0; 2]; 2],

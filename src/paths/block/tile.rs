@@ -190,8 +190,8 @@ impl Pair {
         self.factor.resize(pulses, [0.0; LANES]);
     }
 
-    /// Adds power, and power times delay rate, of facets at the middle node to a sample: of those that the
-    /// window receives apart.
+    /// Adds power, and power times delay rate, of facets at the middle node to a sample, as the window
+    /// receives them.
     pub(super) fn add_to(&self, sample: &mut Sample, count: usize, window: &Window) {
         let middle = (
             self.nodes().get(self.node_count / 2),
@@ -203,11 +203,9 @@ impl Pair {
                 let of = |channel| f64::from(epoch.amplitude(channel, i).norm_sqr());
                 let own = (0..self.channels).map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
                 if own.is_finite() && node.paths.delay_rate[i].is_finite() {
-                    sample.mean_power_w += own;
-                    if window.touches(node.paths.delay_s[i]) {
-                        sample.received_power_w += own;
-                        sample.mean_rate += own * node.paths.delay_rate[i];
-                    }
+                    let own = own * window.share(node.paths.delay_s[i]);
+                    sample.received_power_w += own;
+                    sample.mean_rate += own * node.paths.delay_rate[i];
                 }
             }
         }
@@ -276,7 +274,7 @@ impl Tile {
         let mut bound = [0.0; LANES];
         for (pair, sample) in self.pairs.iter().zip(samples) {
             variant.run(Bounds(pair, self.count, &mut bound));
-            let least_w = (least * sample.mean_power_w) as f32;
+            let least_w = (least * sample.received_power_w) as f32;
             for i in 0..self.count {
                 illuminated[i] |= bound[i] > 0.0;
                 wanted[i] |= bound[i] > least_w;

@@ -2,8 +2,9 @@
 //!
 //! Amplitudes at the scattering epochs have the phases of facets at rest, and are as slow as those of waves
 //! that are frozen; phasors turn faster than epochs lie, and are found at every pulse
-//! ([`crate::scattering::bragg::block`]). Specular points turn by a phasor of their own: where they add to
-//! what a sample of the block returns, a tile is handed over twice, its Bragg waves and its specular points.
+//! ([`crate::scattering::bragg::block`]). Specular points turn by a phasor of their own: a tile that has any
+//! ([`Batch::reflects`]) is handed over twice, its Bragg waves and its specular points. Each tile knows by
+//! itself: of a wide patch only the few below an antenna may have them, and return most of the echo.
 
 use super::TileWork;
 use super::tile::{Pair, TURNED_LANES, TurnedRow};
@@ -15,18 +16,12 @@ use crate::scattering::bragg::block::{BlockPhasors, Phasors, Times};
 use crate::scattering::bragg::group::{GROUP, Looks};
 use crate::scattering::bragg::{BraggLines, Mechanism};
 use crate::scattering::lanes::Batch;
-use crate::scene::Patch;
-
-/// Share of the power below which specular points turn with the Bragg waves: -90 dB.
-const LEAST_SPECULAR: f64 = 1e-9;
 
 /// What a tile is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     /// All that scatters, phases at rest.
     Still,
-    /// All that scatters, turned as Bragg waves.
-    All,
     /// Bragg waves.
     Bragg,
     /// Specular points.
@@ -34,19 +29,20 @@ pub(super) enum Part {
 }
 
 impl Part {
-    /// That of the tiles of a block, and that of a second pass.
-    pub fn of_block(travelling: bool, specular: bool) -> (Self, Option<Self>) {
-        match (travelling, specular) {
-            (false, _) => (Self::Still, None),
-            (true, false) => (Self::All, None),
-            (true, true) => (Self::Bragg, Some(Self::Specular)),
-        }
+    /// What a tile is of at first.
+    pub fn first(travelling: bool) -> Self {
+        if travelling { Self::Bragg } else { Self::Still }
+    }
+
+    /// What else there is of a tile, which had specular points or not.
+    pub fn then(self, reflects: bool) -> Option<Self> {
+        (self == Self::Bragg && reflects).then_some(Self::Specular)
     }
 
     /// Takes the phasors of the other part away.
     pub fn choose(self, batch: &mut Batch) {
         let gone = match self {
-            Self::Still | Self::All => 0..0,
+            Self::Still => 0..0,
             Self::Bragg => 0..1,
             Self::Specular => 1..batch.phasor.len(),
         };
@@ -56,47 +52,13 @@ impl Part {
     fn mechanism(self) -> Option<Mechanism> {
         match self {
             Self::Still => None,
-            Self::All | Self::Bragg => Some(Mechanism::Bragg),
+            Self::Bragg => Some(Mechanism::Bragg),
             Self::Specular => Some(Mechanism::Specular),
         }
     }
 }
 
-/// What a sample shows of specular points.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Specular {
-    own_w: f64,
-    all_w: f64,
-}
-
-impl Specular {
-    /// Whether they add to the block.
-    pub fn counts(self) -> bool {
-        self.own_w > LEAST_SPECULAR * self.all_w
-    }
-}
-
 impl PathGenerator {
-    /// Adds what the tile at hand returns at the middle of the block, and its specular points alone.
-    pub(super) fn add_specular(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork, sum: &mut Specular) {
-        if work.tile.count == 0 {
-            return;
-        }
-        let power_w = |pair: &Pair, count: usize| -> f64 {
-            let (epoch, factor) = (&pair.epochs()[pair.epoch_count / 2], &pair.factor[pair.factor.len() / 2]);
-            epoch.power[..count].iter().zip(factor).map(|(w, factor)| f64::from(w * factor * factor)).sum()
-        };
-        sum.all_w += work.tile.pairs.iter().map(|pair| power_w(pair, work.tile.count)).sum::<f64>();
-        Part::Specular.choose(&mut work.batch);
-        let part = std::mem::replace(&mut work.part, Part::Specular);
-        for pair in 0..self.plans.len() {
-            let middle = work.tile.pairs[pair].epoch_count / 2;
-            self.epoch(sea, pair, middle, patch.facet_m * patch.facet_m, work);
-            sum.own_w += power_w(&work.tile.pairs[pair], work.tile.count);
-        }
-        work.part = part;
-    }
-
     /// What turns the part of the tile at every pulse.
     pub(super) fn turn(&self, sea: &SeaPlan, pair: usize, work: &mut TileWork) {
         let TileWork { variant, part, land, timings, nodes, keys, turns, tile, .. } = work;

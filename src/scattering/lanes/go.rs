@@ -23,6 +23,7 @@ impl Batch {
         if !self.specular_weights(water, kind) {
             return;
         }
+        self.reflects = true;
         // Specular facets are few: whole groups are passed over.
         for first in (0..lanes_for(self.count)).step_by(GROUP) {
             if self.gain[first..first + GROUP].iter().any(|gain| *gain > 0.0) {

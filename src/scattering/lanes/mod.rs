@@ -71,6 +71,8 @@ pub struct Batch {
     pub phasor: Vec<[Row; 2]>,
     /// Cosines of the local angles to both antennas.
     pub cosine: [Row; 2],
+    /// Whether any facet had specular points since this was unset.
+    pub reflects: bool,
     /// `[receive][transmit]`, per square root of facet area: real and imaginary.
     pub matrix: [[[Row; 2]; 2]; 2],
     normal: Vectors,
@@ -103,6 +105,7 @@ impl Batch {
             receive: [vectors; 2],
             phasor: vec![[row; 2]; mechanisms],
             cosine: [row; 2],
+            reflects: false,
             matrix: [[[row; 2]; 2]; 2],
             normal: vectors,
             axes: [vectors; 2],

@@ -1,0 +1,143 @@
+//! The power of facets, breaking waves and rain over a run.
+//!
+//! It is that of [`PROFILE`] pulses spread over the run. A beam that passes over the patch between two of
+//! them, or at an end of the run, would be missed, or taken for as long as the pulses lie apart. So both ends
+//! are looked at, and where the power changes by more than [`STEEP`] from one pulse to the next, pulses
+//! between them are added, at most as many again; each then stands for the part of the run about it.
+//!
+//! A channel whose polarisation leaves with some pulses alone has the mean of all, as it is measured.
+
+use super::{ErrorSampler, MOST_OF_EXACT, PROFILE, Powers, spread_over};
+use crate::paths::block::probe::{Keep, Shadows};
+use crate::radar::fault::RadarError;
+use crate::scene::radar::{Polarisation, TxPolarisation};
+
+/// Ratio of the powers of two pulses that are too far apart.
+const STEEP: f64 = 4.0;
+
+/// A pulse of the profile.
+struct Profiled {
+    index: u64,
+    /// Power by channel, mean over the polarisations that leave in turn.
+    power: Powers,
+    /// Of facets alone, and of all.
+    of_facets: f64,
+    total: f64,
+}
+
+impl ErrorSampler<'_> {
+    /// Power over the run; shows the strongest pulse.
+    pub(super) fn profile(&mut self) -> Result<u64, RadarError> {
+        let count = PROFILE.min(self.pulses);
+        let mut found = Vec::new();
+        for (step, index) in spread_over(self.pulses, count).enumerate() {
+            found.push(self.profiled(index, (step == 0, count as f64))?);
+        }
+        let refined = self.refine(&mut found)?;
+        // Each stands for what lies about it.
+        let ends = |n: usize, found: &[Profiled]| {
+            let between = |a: u64, b: u64| 0.5 * (a as f64 + b as f64 + 1.0);
+            let from = n.checked_sub(1).map_or(0.0, |before| between(found[before].index, found[n].index));
+            let to = found.get(n + 1).map_or(self.pulses as f64, |next| between(found[n].index, next.index));
+            (to - from) / self.pulses as f64
+        };
+        let (mut strongest, mut most) = (self.points.loudest, 0.0);
+        for (n, pulse) in found.iter().enumerate() {
+            if pulse.of_facets > most {
+                (strongest, most) = (pulse.index, pulse.of_facets);
+            }
+            let share = if refined { ends(n, &found) } else { 1.0 / count as f64 };
+            self.power.iter_mut().zip(&pulse.power).for_each(|(mean, own)| *mean += share * own);
+        }
+        let weight = self.sampled();
+        self.power.iter_mut().zip(&self.points.power).for_each(|(mean, own)| *mean += weight * own);
+        Ok(strongest)
+    }
+
+    /// Looks at a pulse; of `count` spread over the run, `first` among them, or, without any, in between.
+    fn profiled(&mut self, index: u64, (first, count): (bool, f64)) -> Result<Profiled, RadarError> {
+        let patch = self.generator.patch_of(index)?;
+        // The waves of the first stand for all.
+        let keep = Keep { shadows: if first { Shadows::Find } else { Shadows::Keep }, surface: !first };
+        let truths = self.illuminate(index, patch.as_ref(), keep)?;
+        let [powers, worst] = self.powers(index, &truths)?;
+        self.find_turning(&truths);
+        if count > 0.0 {
+            self.count_kept(&truths, count);
+            for (lanes, bin) in
+                truths.iter().step_by(self.channels.len().max(1)).flat_map(|truth| &truth.runs)
+            {
+                self.gains[*bin] += lanes.len() as f64;
+            }
+        }
+        let turns = self.polarisations();
+        let of_facets = powers.iter().sum();
+        let mut power: Powers = powers.iter().zip(&turns).map(|(own, share)| own * share).collect();
+        let mut most_of_exact = vec![0.0f64; power.len()];
+        let next = match &self.radar.tx_polarisation {
+            TxPolarisation::Simultaneous => 1,
+            TxPolarisation::Alternating(sequence) => sequence.len().max(1) as u64,
+        };
+        let last = self.pulses.saturating_sub(1);
+        for index in (0..next).map(|n| (index + n).min(last)) {
+            let [broken, rain] = self.profile_exact(index, patch.as_ref(), &truths)?;
+            for (((mean, most), broken), rain) in
+                power.iter_mut().zip(&mut most_of_exact).zip(broken).zip(rain)
+            {
+                *mean += (broken + rain) / next as f64;
+                *most = most.max(broken + rain);
+            }
+        }
+        for ((highest, own), exact) in self.highest.iter_mut().zip(worst).zip(most_of_exact) {
+            *highest = highest.max(own + MOST_OF_EXACT * exact);
+        }
+        Ok(Profiled { index, of_facets, total: power.iter().sum(), power })
+    }
+
+    /// Share of the pulses that leave in the polarisation of each channel.
+    fn polarisations(&self) -> Vec<f64> {
+        let of = |port: Polarisation| match &self.radar.tx_polarisation {
+            TxPolarisation::Simultaneous => 1.0,
+            TxPolarisation::Alternating(sequence) => {
+                sequence.iter().filter(|own| **own == port).count() as f64 / sequence.len().max(1) as f64
+            }
+        };
+        self.radar.channels.iter().map(|channel| of(channel.tx)).collect()
+    }
+
+    /// Adds pulses where the power changes steeply; says whether there are any.
+    fn refine(&mut self, found: &mut Vec<Profiled>) -> Result<bool, RadarError> {
+        let before = found.len();
+        let mean = found.iter().map(|pulse| pulse.total).sum::<f64>() / before.max(1) as f64;
+        let steep = |a: &Profiled, b: &Profiled| {
+            let most = a.total.max(b.total);
+            most > mean && most > STEEP * a.total.min(b.total)
+        };
+        let last = self.pulses.saturating_sub(1);
+        if found.first().is_some_and(|first| first.index > 0) {
+            let own = self.profiled(0, (false, 0.0))?;
+            if steep(&own, &found[0]) {
+                found.insert(0, own);
+            }
+        }
+        if found.last().is_some_and(|other| other.index < last) {
+            let own = self.profiled(last, (false, 0.0))?;
+            if steep(&own, &found[found.len() - 1]) {
+                found.push(own);
+            }
+        }
+        while found.len() < 2 * before {
+            let between = found
+                .windows(2)
+                .enumerate()
+                .filter(|(_, ends)| ends[1].index > ends[0].index + 1 && steep(&ends[0], &ends[1]));
+            let adds =
+                |ends: &[Profiled]| ends[0].total.max(ends[1].total) * (ends[1].index - ends[0].index) as f64;
+            let Some((n, ends)) = between.max_by(|a, b| adds(a.1).total_cmp(&adds(b.1))) else { break };
+            let middle = ends[0].index + (ends[1].index - ends[0].index) / 2;
+            let own = self.profiled(middle, (false, 0.0))?;
+            found.insert(n + 1, own);
+        }
+        Ok(found.len() > before)
+    }
+}
