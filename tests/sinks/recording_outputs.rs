@@ -43,9 +43,8 @@ fn every_fault_is_reported_before_anything_is_made() {
 #[test]
 fn hdf5_outputs_and_their_segments() {
     let dir = tempfile::tempdir().unwrap();
-    let hdf5 = |name: &str, segment_s, force| Settings {
-        kind: Kind::Hdf5 { path: dir.path().join(name), segment_s, force },
-        queue_pulses: 8,
+    let hdf5 = |name: &str, segment_s, force| {
+        Settings::new(Kind::Hdf5 { path: dir.path().join(name), segment_s, force }, 8)
     };
     fs::write(dir.path().join("a.h5"), "").unwrap();
     fs::write(dir.path().join("b_0000.h5"), "").unwrap();
@@ -69,9 +68,8 @@ fn hdf5_outputs_and_their_segments() {
 #[test]
 fn nothing_but_recordings_is_overwritten_and_each_output_is_one() {
     let dir = tempfile::tempdir().unwrap();
-    let hdf5 = |name: &str, segment_s, force| Settings {
-        kind: Kind::Hdf5 { path: dir.path().join(name), segment_s, force },
-        queue_pulses: 8,
+    let hdf5 = |name: &str, segment_s, force| {
+        Settings::new(Kind::Hdf5 { path: dir.path().join(name), segment_s, force }, 8)
     };
     let twice = |sinks: &[Settings]| matches!(preflight(sinks).as_slice(), [SinkError::Twice { .. }]);
     assert!(twice(&[hdf5("s.h5", None, true), hdf5("./s.h5", None, true)]));
@@ -91,10 +89,7 @@ fn nothing_but_recordings_is_overwritten_and_each_output_is_one() {
         assert!(twice(&[hdf5("link/t.h5", None, true), hdf5("s.h5", None, true)]));
         assert!(twice(&[hdf5("y.h5", Some(1.0), true), hdf5("u.h5", None, true)]));
         assert!(twice(&[hdf5("s.h5", None, true), hdf5("x.h5", Some(1.0), true)]));
-        let plain = |name: &str| Settings {
-            kind: Kind::Plain { path: dir.path().join(name), force: true },
-            queue_pulses: 8,
-        };
+        let plain = |name: &str| Settings::new(Kind::Plain { path: dir.path().join(name), force: true }, 8);
         assert!(twice(&[plain("rec"), plain("rec2")]) && twice(&[plain("link/rec2"), plain("rec")]));
         assert!(!twice(&[hdf5("t.h5", None, true), hdf5("u.h5", None, true)]));
     }
