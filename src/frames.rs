@@ -241,6 +241,17 @@ impl Geodetic {
         Self { lat_rad: lat_deg.to_radians(), lon_rad: lon_deg.to_radians(), h_m }
     }
 
+    /// Whether it lies over 1000 km from another place, and within 100 km of it once latitude and longitude
+    /// are exchanged.
+    pub fn looks_swapped(self, near: Self) -> bool {
+        let distance_m = |a: Self| {
+            let [place, other] = [a, near].map(|at| Self { h_m: 0.0, ..at }.to_ecef());
+            (place - other).norm()
+        };
+        let other_way = Self { lat_rad: self.lon_rad, lon_rad: self.lat_rad, h_m: self.h_m };
+        distance_m(self) > 1e6 && distance_m(other_way) < 1e5
+    }
+
     /// Earth-centred, Earth-fixed position.
     pub fn to_ecef(self) -> Point<Ecef> {
         let (x, y, z) = map_3d::geodetic2ecef(self.lat_rad, self.lon_rad, self.h_m, map_3d::Ellipsoid::WGS84);

@@ -45,6 +45,7 @@ use crate::pipeline::stages::PulseFactory;
 use crate::pipeline::tracks::tracks;
 use crate::radar::fault::RadarError;
 use crate::radar::waveform;
+use crate::radar::window::Window;
 use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair};
 use crate::scene::sea::{PatchPlace, Sea};
 use crate::scene::{Patch, Scene};
@@ -87,8 +88,8 @@ pub struct Adequacy {
     pub least_length_m: f64,
     /// Facets.
     pub facets: usize,
-    /// Finest cell in ground range over the instants looked at, m; `None` where range does not resolve the
-    /// ground.
+    /// Finest cell in ground range at the centre of the patch over the instants looked at, m; `None` where
+    /// range does not resolve the patch there.
     pub ground_range_m: Option<f64>,
     /// Facets in that cell.
     pub facets_per_cell: Option<f64>,
@@ -261,6 +262,31 @@ pub enum SeaWarning {
         /// The ship.
         ship: String,
     },
+    /// A mesh whose up is another's port.
+    #[error(
+        "superstructure of ship \"{ship}\" lies on its side: {}; up = \"{up}\" would turn it",
+        description::ships::mesh_text(*extents_m)
+    )]
+    MeshOnItsSide {
+        /// The ship.
+        ship: String,
+        /// Its extents, m.
+        extents_m: [[f64; 2]; 3],
+        /// The key's other word.
+        up: &'static str,
+    },
+    /// A mesh in another unit.
+    #[error(
+        "superstructure of ship \"{ship}\" is {largest_m:.0} m wide, the ship {length_m:.0} m long: is its file in metres?"
+    )]
+    LargeMesh {
+        /// The ship.
+        ship: String,
+        /// Its largest extent, m.
+        largest_m: f64,
+        /// Length of the ship, m.
+        length_m: f64,
+    },
     /// A ship that misses the patch.
     #[error(
         "ship \"{ship}\" lies outside the patch of sea at the start, middle and end of the run{}",
@@ -363,25 +389,24 @@ impl View<'_> {
         let gradient = first.iter().fold(Vector::<Enu>::ZERO, |sum, end| sum + toward(*end, middle));
         let [east, north, _] = gradient.to_array();
         let ground_range_m = SPEED_OF_LIGHT_MPS / (bandwidth_hz * east.hypot(north));
-        if ground_range_m.is_finite() {
+        let [width_m, height_m] = patch.size_m();
+        // Below an antenna the cell grows without bound.
+        if ground_range_m <= width_m.hypot(height_m) {
             let finest_m = adequacy.ground_range_m.map_or(ground_range_m, |known| known.min(ground_range_m));
             adequacy.ground_range_m = Some(finest_m);
         }
 
         let opens_s = self.opens_s(*first)?;
-        let closes_s = opens_s + radar.window.samples as f64 / radar.sample_rate_hz - pulse_s;
+        let window = Window::new(radar, opens_s, pulse_s);
+        let closes_s = window.close_s - pulse_s;
         let interval_s = 1.0 / radar.emissions.mean_prf_hz();
-        // The echo of another emission may be the one that the window receives.
-        let within = |delay_s: f64| {
-            ((closes_s - delay_s) / interval_s).floor() >= ((opens_s - delay_s) / interval_s).ceil()
-        };
         let mut patch_s = [f64::INFINITY, f64::NEG_INFINITY];
         let mut held = 0_usize;
         for ends in std::iter::once(first).chain(rest) {
             for point in &points {
                 let delay_s = ends.iter().map(|end| (*end - *point).norm()).sum::<f64>() / SPEED_OF_LIGHT_MPS;
                 patch_s = [patch_s[0].min(delay_s), patch_s[1].max(delay_s)];
-                held += usize::from(within(delay_s));
+                held += usize::from(window.receives(delay_s, interval_s));
             }
         }
         let share = held as f64 / (ends.len() * points.len()) as f64;

@@ -10,7 +10,8 @@ use serde::Serialize;
 use super::{Adequacy, SeaWarning, View};
 use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
-use crate::scene::ship::ShipMotion;
+use crate::scene::mesh;
+use crate::scene::ship::{ShipMotion, UpAxis};
 use crate::scene::{Patch, Ship};
 use crate::sea::fleet::{self, FleetError, ShipError};
 use crate::sea::seakeeping::Seakeeping;
@@ -50,6 +51,8 @@ pub struct ShipOutlook {
     pub scatterers: usize,
     /// Panels of its mesh, where they echo.
     pub panels: usize,
+    /// Extents of its superstructure, m: forward of midship, to port, up from the waterline.
+    pub superstructure_m: Option<[[f64; 2]; 3]>,
     /// Natural period of roll, s, where it rides the waves.
     pub roll_period_s: Option<f64>,
     /// The particular that is furthest from what its file states, percent; `None` where nothing is stated.
@@ -104,6 +107,10 @@ impl ShipOutlook {
             waves,
             scatterers: hull.scatterers().len(),
             panels: if ship.echo { fleet::panels(ship, &hull)?.len() } else { 0 },
+            superstructure_m: match ship.echo {
+                true => mesh::extents_m(&fleet::superstructure(ship, &hull)?),
+                false => None,
+            },
             roll_period_s: match ship.mesh.motion {
                 ShipMotion::Level => None,
                 ShipMotion::Waves { roll_period_s, .. } => {
@@ -134,6 +141,21 @@ impl ShipOutlook {
     }
 }
 
+/// What is odd of a superstructure on a hull of a length: it lies on its side, or is much larger than the
+/// ship.
+fn mesh_warning(ship: &Ship, length_m: f64, extents_m: [[f64; 2]; 3]) -> Option<SeaWarning> {
+    let [along, across, up] = extents_m;
+    let middle = |[low, high]: [f64; 2]| (0.5 * (low + high)).abs() / (high - low).max(f64::MIN_POSITIVE);
+    let name = ship.name.clone();
+    // What stands on a ship lies on both sides of her plane of symmetry and above the waterline.
+    if middle(up) < 0.05 && across[0] * across[1] >= 0.0 {
+        let key = if ship.mesh.up == UpAxis::Z { "y" } else { "z" };
+        return Some(SeaWarning::MeshOnItsSide { ship: name, extents_m, up: key });
+    }
+    let largest_m = [along, across, up].map(|[low, high]| high - low).into_iter().fold(0.0, f64::max);
+    (largest_m > 1.5 * length_m).then_some(SeaWarning::LargeMesh { ship: name, largest_m, length_m })
+}
+
 /// The particular furthest from the stated one.
 fn furthest_particular(hull: &Hull) -> Option<(&'static str, f64)> {
     let found = Particulars::of(hull).values();
@@ -156,6 +178,8 @@ pub(super) fn ships(instants: &[View<'_>], adequacy: &mut Adequacy) -> Result<()
                 if ship.echo && found.scatterers + found.panels == 0 {
                     adequacy.warnings.push(SeaWarning::NoScatterers { ship: ship.name.clone() });
                 }
+                let mesh = found.superstructure_m;
+                adequacy.warnings.extend(mesh.and_then(|mesh| mesh_warning(ship, found.length_m, mesh)));
                 adequacy.warnings.extend(outside(ship, found.length_m, instants)?);
                 adequacy.ships.push(found);
             }

@@ -2,7 +2,7 @@
 
 use super::plan::{PlanReport, echo_text, not_kept};
 use super::resources::Resources;
-use crate::adequacy::description::{Described, ECHO, Models, RAIN, described, models};
+use crate::adequacy::description::{Described, ECHO, LAND, Models, RAIN, described, models};
 use crate::adequacy::link_budget::{LinkBudget, link_budget};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, adequacy, edge_db, hidden_targets};
@@ -79,6 +79,11 @@ impl Assessment {
         self.warnings.extend(self.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
         self.warnings.extend(polarisation(run)?.iter().map(ToString::to_string));
         self.plan(run, &stream);
+        if let Some(dem) = stream.factory().dem()
+            && let Some(row) = self.models.with.iter_mut().find(|row| row.what == LAND)
+        {
+            row.how += &format!("; {}", dem.text());
+        }
         if let Some((points, in_cell)) = stream.factory().rain()
             && let Some(row) = self.models.with.iter_mut().find(|row| row.what == RAIN)
         {
@@ -87,7 +92,7 @@ impl Assessment {
                 row.how += &format!(": {} would make more than {} at some pulse", drops::DROPS, drops::MOST);
             }
         }
-        self.warnings.extend(plausible::targets(run)?.iter().map(ToString::to_string));
+        self.warnings.extend(plausible::geometry(run)?.iter().map(ToString::to_string));
         let resources = stream.resources(&run.scene.radar).map_err(BuildErrors::from)?;
         let levels = resources.converter.iter().flat_map(|converter| converter.warnings());
         self.warnings.extend(levels.map(|warning| warning.to_string()));

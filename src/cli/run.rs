@@ -80,7 +80,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let stream = build::stream(&run, pulses)?;
     let nominal = stream.nominal().unwrap_or(&run);
     warn(adequacy(nominal)?.iter().flat_map(|sea| &sea.warnings));
-    let mut physics: Vec<PhysicsWarning> = plausible::targets(nominal)?.into_iter().collect();
+    let mut physics: Vec<PhysicsWarning> = plausible::geometry(nominal)?;
     warn(&physics);
     for note in stream.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::nav::ais::PassedOver;
 use crate::scene::patch::PatchError;
 
 /// Why a scenario is not a run.
@@ -386,7 +387,8 @@ pub enum Problem {
     LogNeedsOrigin,
     /// A log from which no ship sails.
     #[error(
-        "no vessel is under way: of {vessels} in {log}, {why}; allowed: a start_utc within the log, or wider limits"
+        "no vessel is under way: of {vessels} in {log}, {why}; allowed: a start_utc within the log, or wider limits{}",
+        if *swapped { "; with latitude and longitude swapped, vessels would be near" } else { "" }
     )]
     NobodySails {
         /// The log.
@@ -395,6 +397,8 @@ pub enum Problem {
         vessels: usize,
         /// How many were left out why.
         why: String,
+        /// Whether latitudes and longitudes look swapped.
+        swapped: bool,
     },
     /// An override of a key that does not exist.
     #[error("no such entry: {reason}")]
@@ -523,6 +527,41 @@ pub enum Warning {
         window_us: f64,
         /// The shortest interval, us.
         pri_us: f64,
+    },
+    /// A band that no chirp has.
+    #[error(
+        "a band of {bandwidth_hz} Hz in a pulse of {pulse_us} us is less than one cycle: the pulse is not compressed, and \
+         resolves {cell_m:.0} m; is bandwidth_hz in Hz?"
+    )]
+    NarrowBand {
+        /// Bandwidth, Hz.
+        bandwidth_hz: f64,
+        /// Length of the pulse, us.
+        pulse_us: f64,
+        /// What it resolves in range, m.
+        cell_m: f64,
+    },
+    /// A place that would be near with its coordinates exchanged.
+    #[error(
+        "{key}: {lat_deg} deg, {lon_deg} deg lies far from the origin of the scene, and near it with latitude and longitude swapped"
+    )]
+    Swapped {
+        /// The key of the latitude.
+        key: String,
+        /// Latitude, degrees.
+        lat_deg: f64,
+        /// Longitude, degrees.
+        lon_deg: f64,
+    },
+    /// Rows of an AIS log that say less than a report.
+    #[error("{log}: {reports} position reports; passed over: {passed_over}")]
+    AisPassedOver {
+        /// The log.
+        log: String,
+        /// Its reports.
+        reports: usize,
+        /// What is none, or says too little.
+        passed_over: PassedOver,
     },
     /// An aperture that is none.
     #[error(

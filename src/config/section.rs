@@ -111,7 +111,8 @@ impl<'a> Section<'a> {
         self.entries.iter().find(|entry| entry.name == name)
     }
 
-    fn path_of(&self, name: &str) -> String {
+    /// A key of this table with the tables that it stands in.
+    pub(super) fn path_of(&self, name: &str) -> String {
         if self.path.is_empty() { name.to_owned() } else { format!("{}.{name}", self.path) }
     }
 

@@ -468,5 +468,19 @@ fn what_can_hardly_be_meant_is_a_warning() {
     insta::assert_snapshot!(warned(&[("radar.prf_hz", "1e6"), ("stream.latency_ms", "1")]), @"windows of 5.12 us are longer than the shortest pulse interval of 1 us: they overlap, and a receiver would have to take the same instants twice");
     let small = "{ kind = 'rectangle', width_m = 0.5, height_m = 0.01 }";
     insta::assert_snapshot!(warned(&[("transmitter.0.antenna", small)]), @r#"the aperture of "tx", 0.5 m x 0.01 m, is smaller than half a wavelength (0.0150 m): the gain of a uniform aperture, 4 pi A / lambda^2, does not hold; use an isotropic antenna or a measured pattern"#);
+    insta::assert_snapshot!(warned(&[("radar.waveform.bandwidth_hz", "25")]), @"a band of 25 Hz in a pulse of 0.333 us is less than one cycle: the pulse is not compressed, and resolves 50 m; is bandwidth_hz in Hz?");
+    // One cycle is a chirp.
+    assert_eq!(warned(&[("radar.waveform.bandwidth_hz", "3.1e6")]), "");
+    let placed = |target: &str| {
+        let origin =
+            [("scene.origin_lat_deg", "54"), ("scene.origin_lon_deg", "10"), ("scene.origin_h_m", "42")];
+        warned(&[&origin[..], &[("target.0", target)]].concat())
+    };
+    let near = "{ lat_deg = 54.001, lon_deg = 10.002, height_m = 5, rcs_m2 = 1 }";
+    assert_eq!(placed(near), "");
+    let swapped = "{ lat_deg = 10.002, lon_deg = 54.001, height_m = 5, rcs_m2 = 1 }";
+    insta::assert_snapshot!(placed(swapped), @"target.0.lat_deg: 10.002 deg, 54.001 deg lies far from the origin of the scene, and near it with latitude and longitude swapped");
+    // Far either way.
+    assert_eq!(placed("{ lat_deg = 10.0, lon_deg = -54.0, height_m = 5, rcs_m2 = 1 }"), "");
     insta::assert_snapshot!(warned(&[("target.0.velocity_mps", "[0, 0, -1]")]), @r#"target "sphere" moves on a straight line below the sea: 2.252 m deep 2.252 s after pulse 0"#);
 }

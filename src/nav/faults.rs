@@ -332,6 +332,27 @@ pub enum FaultKind {
     /// No header at all.
     #[error("the file is empty; needed: a header line and fixes")]
     Empty,
+    /// A table that is none of AIS.
+    #[error(
+        "missing: {missing}; allowed: the columns Time (UTC), MMSI, Latitude_degrees, Longitude_degrees, COG_degrees, SOG_knots, \
+         or as MarineCadastre (BaseDateTime, MMSI, LAT, LON, COG, SOG) or the Danish Maritime Authority (# Timestamp, MMSI, \
+         Latitude, Longitude, COG, SOG) names them; or sentences !AIVDM"
+    )]
+    NoAisColumns {
+        /// The columns that are not there, by our names.
+        missing: String,
+    },
+    /// AIS sentences without a single report.
+    #[error(
+        "no position report (messages 1, 2, 3, 18, 19) with a time among {messages} AIS messages{passed_over}; allowed: times in \
+         tag blocks (\\c:1714564800*55\\ before a sentence), UNIX seconds after its checksum, or base station reports (message 4)"
+    )]
+    NoAisReport {
+        /// Whole messages.
+        messages: usize,
+        /// What was counted besides.
+        passed_over: String,
+    },
 }
 
 impl FaultKind {

@@ -8,8 +8,14 @@ use super::heave::{self, Crests, Heave, Wave};
 use super::hidden::Hills;
 use super::sea::SeaPlan;
 use crate::scene::Target;
+use crate::sea::land::Dem;
 
 impl PathGenerator {
+    /// Heights of the land; `None` without any.
+    pub fn dem(&self) -> Option<Arc<Dem>> {
+        Some(self.sea.as_ref()?.land.as_ref()?.sheet.dem())
+    }
+
     /// What lifts the targets that float on a sea, and hides them; empty where none floats.
     pub(super) fn lifted_by(&self, sea: Option<&SeaPlan>) -> Vec<Option<Heave>> {
         let Some(sea) = sea else { return Vec::new() };

@@ -94,7 +94,8 @@ pub enum BuildError {
     /// An antenna in the water.
     #[error(
         "antenna \"{antenna}\" of platform '{platform}' is {depth_m:.2} m below mean sea level at pulse {pulse}; allowed: on or \
-         above it (epoch at the track, its datum, scene.origin_h_m and lever_arm_m)"
+         above it (epoch at the track, its datum, scene.origin_h_m and lever_arm_m){}",
+        if *swapped { "; latitude and longitude of the track look swapped" } else { "" }
     )]
     BelowSea {
         /// The transmitter or receiver.
@@ -105,6 +106,8 @@ pub enum BuildError {
         depth_m: f64,
         /// Where it is deepest.
         pulse: u64,
+        /// Whether it would be near the origin with latitude and longitude swapped.
+        swapped: bool,
     },
     /// A pulse from a file that lasts too long.
     #[error(

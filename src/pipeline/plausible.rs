@@ -2,7 +2,7 @@
 //!
 //! * A fault: an antenna below mean sea level, a pulse from a file that is longer than the pulse interval.
 //! * A warning: targets whose echo never lies in the receive window, a converter that clips or that its
-//!   signal never fills by one code.
+//!   signal never fills by one code, a recorded track with latitude and longitude swapped or yaw in radians.
 //!
 //! Geometry is taken at [`INSTANTS`] pulses spread over the run, without the motion during the echo. What
 //! needs no trajectory is evaluated when the scenario is read (`config::resolve`).
@@ -14,11 +14,12 @@ use crate::config::Run;
 use crate::frames::{Enu, Point};
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::{PhaseCentre, Surroundings};
-use crate::nav::TrackSource;
+use crate::nav::{FileFormat, TrackSource};
 use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::pipeline::tracks::tracks;
 use crate::pulse::converter::Level;
 use crate::radar::waveform;
+use crate::radar::window::Window;
 use crate::scene::Scene;
 use crate::scene::radar::{Aim, AntennaMount, Gate, Radar, Waveform};
 use crate::time::TimeTag;
@@ -32,6 +33,8 @@ const MOST_NAMED: usize = 8;
 const ROUNDING_M: f64 = 1e-6;
 /// Share of saturated samples above which a converter clips.
 const CLIPPED_SHARE: f64 = 1e-4;
+/// Slowest speed at which there is a course, m/s.
+const LEAST_WAY_MPS: f64 = 1.0;
 
 /// A target that no window receives, at the pulse at which it comes nearest to one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -55,6 +58,29 @@ pub enum PhysicsWarning {
         outside: Vec<TargetOutsideWindow>,
         /// All targets of the scene.
         targets: usize,
+    },
+    /// A track that would be near with its coordinates exchanged.
+    #[error(
+        "{platform}: its track begins at {lat_deg:.4} deg, {lon_deg:.4} deg, far from the origin of the scene, and near it with \
+         latitude and longitude swapped"
+    )]
+    Swapped {
+        /// The platform.
+        platform: String,
+        /// Latitude, degrees.
+        lat_deg: f64,
+        /// Longitude, degrees.
+        lon_deg: f64,
+    },
+    /// Yaws in radians under the name of degrees.
+    #[error(
+        "{platform}: yaw is {off_deg:.0} deg off the course, and no more than 2 pi throughout: is yaw_deg in radians?"
+    )]
+    YawInRadians {
+        /// The platform.
+        platform: String,
+        /// Mean difference of yaw and course, degrees.
+        off_deg: f64,
     },
     /// A full scale that is too low.
     #[error(
@@ -147,7 +173,8 @@ pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
             instants(scene, INSTANTS).into_iter().filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((depth_m, pulse)) = deepest.filter(|(depth_m, _)| *depth_m > ROUNDING_M) {
             let platform = scene.platforms[mount.platform].clone();
-            faults.push(BuildError::BelowSea { antenna: antenna.clone(), platform, depth_m, pulse });
+            let swapped = swapped(scene, &tracks[mount.platform], &platform).is_some();
+            faults.push(BuildError::BelowSea { antenna: antenna.clone(), platform, depth_m, pulse, swapped });
         }
     }
     if let (Waveform::Samples { path, .. }, Ok(waveform)) =
@@ -165,16 +192,75 @@ pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
     faults
 }
 
-/// Targets whose whole echo lies in no window, at none of the pulses evaluated and in no pair of antennas.
+/// What is suspicious of where platforms and targets are.
 ///
 /// # Errors
 /// Tracks that cannot be loaded.
-pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
+pub fn geometry(run: &Run) -> Result<Vec<PhysicsWarning>, BuildErrors> {
+    let scene = &run.scene;
+    let recorded = run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::File(_)));
+    if scene.targets.is_empty() && !recorded {
+        return Ok(Vec::new());
+    }
+    let (tracks, _) = tracks(&run.nav, scene)?;
+    let mut warnings = Vec::new();
+    for ((nav, track), platform) in run.nav.iter().zip(&tracks).zip(&scene.platforms) {
+        if let TrackSource::File(source) = &nav.truth {
+            warnings.extend(swapped(scene, track, platform));
+            if source.format == FileFormat::Csv {
+                warnings.extend(in_radians(scene, track, platform));
+            }
+        }
+    }
+    warnings.extend(targets(run, &tracks)?);
+    Ok(warnings)
+}
+
+/// A track whose latitude and longitude look swapped.
+fn swapped(scene: &Scene, track: &PlatformTracks, platform: &str) -> Option<PhysicsWarning> {
+    let state = track.truth.state(scene.start).ok()?;
+    let at = scene.frame.to_geodetic(state.position)?;
+    at.looks_swapped(scene.frame.origin()?).then(|| PhysicsWarning::Swapped {
+        platform: platform.to_owned(),
+        lat_deg: at.lat_rad.to_degrees(),
+        lon_deg: at.lon_rad.to_degrees(),
+    })
+}
+
+/// A track whose yaw, which is read in degrees, follows its course if it is taken in radians.
+fn in_radians(scene: &Scene, track: &PlatformTracks, platform: &str) -> Option<PhysicsWarning> {
+    let (mut greatest, mut off_deg, mut count) = (0.0f64, [0.0; 2], 0);
+    for pulse in instants(scene, INSTANTS) {
+        let state = track.truth.state(emission(scene, pulse)).ok()?;
+        let [east, north, _] = state.velocity.to_array();
+        if east.hypot(north) < LEAST_WAY_MPS {
+            continue;
+        }
+        let [yaw_rad, ..] = state.attitude.to_yaw_pitch_roll();
+        let number = turn_deg(yaw_rad.to_degrees());
+        let course_deg = east.atan2(north).to_degrees();
+        greatest = greatest.max(number.abs());
+        for (sum, yaw_deg) in off_deg.iter_mut().zip([number, number.to_degrees()]) {
+            *sum += turn_deg(yaw_deg - course_deg).abs();
+        }
+        count += 1;
+    }
+    let [read_deg, radians_deg] = off_deg.map(|sum| sum / f64::from(count.max(1)));
+    let odd = count > 0 && greatest <= std::f64::consts::TAU + 1e-3 && read_deg > 30.0 && radians_deg < 20.0;
+    odd.then(|| PhysicsWarning::YawInRadians { platform: platform.to_owned(), off_deg: read_deg })
+}
+
+/// An angle within half a turn, degrees.
+fn turn_deg(angle_deg: f64) -> f64 {
+    (angle_deg + 180.0).rem_euclid(360.0) - 180.0
+}
+
+/// Targets whose whole echo lies in no window, at none of the pulses evaluated and in no pair of antennas.
+fn targets(run: &Run, tracks: &[PlatformTracks]) -> Result<Option<PhysicsWarning>, BuildErrors> {
     let scene = &run.scene;
     if scene.targets.is_empty() {
         return Ok(None);
     }
-    let (tracks, _) = tracks(&run.nav, scene)?;
     let pulse_s = waveform::from_description(&scene.radar.waveform)?.duration_s();
     let radar = &scene.radar;
     let window_s = radar.window.samples as f64 / radar.sample_rate_hz;
@@ -184,7 +270,7 @@ pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
     let mut nearest: Vec<Option<(f64, f64, f64)>> = vec![None; scene.targets.len()];
     for pulse in instants(scene, INSTANTS) {
         let time = emission(scene, pulse);
-        let end = |mount: &AntennaMount| phase_centre(&tracks, mount, time);
+        let end = |mount: &AntennaMount| phase_centre(tracks, mount, time);
         let ends: Vec<[Point<Enu>; 2]> = pairs
             .iter()
             .filter_map(|pair| {
@@ -193,7 +279,7 @@ pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
             })
             .collect();
         let Some(first) = ends.first() else { continue };
-        let Some(opens_s) = opens_s(run, &tracks, first, time) else { continue };
+        let Some(opens_s) = opens_s(run, tracks, first, time) else { continue };
         let since_s = time.since(scene.start);
         for (target, nearest) in scene.targets.iter().zip(&mut nearest) {
             let place = target.position + target.velocity * since_s;
@@ -203,7 +289,11 @@ pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
                 // The window may hold the echo of another emission: the one nearest to its middle.
                 let middle_s = opens_s + 0.5 * (window_s - pulse_s);
                 let delay_s = delay_s + ((middle_s - delay_s) / interval_s).round() * interval_s;
-                let off_s = (opens_s - delay_s).max(delay_s + pulse_s - opens_s - window_s).max(0.0);
+                let window = Window { open_s: opens_s, close_s: opens_s + window_s, guard_s: 0.0, pulse_s };
+                let off_s = match window.receives(delay_s, interval_s) {
+                    true => 0.0,
+                    false => (opens_s - delay_s).max(delay_s + pulse_s - opens_s - window_s),
+                };
                 if nearest.is_none_or(|(known_s, ..)| off_s < known_s) {
                     *nearest = Some((off_s, delay_s, opens_s));
                 }
@@ -216,8 +306,7 @@ pub fn targets(run: &Run) -> Result<Option<PhysicsWarning>, BuildErrors> {
         .iter()
         .zip(nearest)
         .filter_map(|(target, nearest)| {
-            // A window that just holds the pulse is no fault of a rounding.
-            let (_, delay_s, opens_s) = nearest.filter(|(off_s, ..)| *off_s > 1e-12)?;
+            let (_, delay_s, opens_s) = nearest.filter(|(off_s, ..)| *off_s > 0.0)?;
             Some(TargetOutsideWindow {
                 target: target.name.clone(),
                 echo_us: us(delay_s, delay_s + pulse_s),

@@ -36,6 +36,7 @@ use crate::radar::receiver::{Receiver, ReceiverScratch};
 use crate::radar::waveform::Waveform;
 use crate::scene::Radar;
 use crate::scene::calibration::Calibration;
+use crate::sea::land::Dem;
 
 /// Makes pulses. Immutable, shared by all threads.
 pub struct PulseFactory {
@@ -267,6 +268,11 @@ impl PulseFactory {
     /// echo.
     pub fn rain(&self) -> Option<(f64, f64)> {
         self.generator.rains().then(|| (self.generator.drops(), self.generator.drops_per_cell()))
+    }
+
+    /// Heights of the land; `None` without any.
+    pub fn dem(&self) -> Option<Arc<Dem>> {
+        self.generator.dem()
     }
 
     /// The facets of the sea as a pulse's emission illuminates them, one snapshot for each of `pulses`; none

@@ -39,12 +39,24 @@ pub struct ShipMesh {
     pub used: Option<bool>,
     /// What stands on the hull: a file of triangles.
     pub superstructure: Option<PathBuf>,
+    /// Which axis of that file points up.
+    pub up: UpAxis,
     /// Height of the deck above the waterline, m; `None` for a twentieth of the length.
     pub freeboard_m: Option<f64>,
     /// Longest edge of a panel, m.
     pub panel_m: f64,
     /// How it rides the sea.
     pub motion: ShipMotion,
+}
+
+/// Which axis of a mesh points up; x points forward.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UpAxis {
+    /// z, and y to port.
+    #[default]
+    Z,
+    /// y, and z to starboard.
+    Y,
 }
 
 /// How a ship that echoes by its mesh rides the sea.
@@ -79,7 +91,14 @@ pub struct HullForm {
 impl Default for ShipMesh {
     /// The hull alone, by panels of 1 m.
     fn default() -> Self {
-        Self { used: None, superstructure: None, freeboard_m: None, panel_m: 1.0, motion: ShipMotion::Level }
+        Self {
+            used: None,
+            superstructure: None,
+            up: UpAxis::Z,
+            freeboard_m: None,
+            panel_m: 1.0,
+            motion: ShipMotion::Level,
+        }
     }
 }
 

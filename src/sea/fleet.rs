@@ -32,13 +32,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use glam::DVec3;
+
 use super::surface::{Fields, Selection};
 use super::wake::kochin::{Kochin, KochinError, LEAST_SPEED_MPS, Transom};
 use super::wake::map;
 use super::wake::{Course, Reach, Settings, ShortWaves, TurbulentStrip, Wake, WakeError};
 use crate::scene::hull::{Hull, HullError, Particulars};
 use crate::scene::mesh::{self, MeshError, Triangle};
-use crate::scene::ship::{HullForm, HullGiven, KelvinWake, ShipMesh, ShipMotion};
+use crate::scene::ship::{HullForm, HullGiven, KelvinWake, ShipMesh, ShipMotion, UpAxis};
 use crate::scene::{Patch, Ship};
 use crate::sea::facet_surface::Wakes;
 
@@ -137,22 +139,33 @@ pub fn hull(ship: &Ship) -> Result<Hull, ShipError> {
 /// # Errors
 /// A superstructure that cannot be read, or too many panels.
 pub fn panels(ship: &Ship, hull: &Hull) -> Result<Vec<Triangle>, ShipError> {
-    let ShipMesh { used, superstructure, freeboard_m, panel_m, motion } = &ship.mesh;
+    let ShipMesh { used, freeboard_m, panel_m, motion, .. } = &ship.mesh;
     if !used.unwrap_or(hull.scatterers().is_empty()) {
         return if *motion == ShipMotion::Level { Ok(Vec::new()) } else { Err(ShipError::NothingMoves) };
     }
     let panel_m = *panel_m;
     let freeboard_m = freeboard_m.unwrap_or(mesh::FREEBOARD_RATIO * hull.length_m());
     let mut triangles = mesh::of_hull(hull, freeboard_m, panel_m)?;
-    if let Some(path) = superstructure {
-        let scaled = |triangle: Triangle| triangle.map(|corner| corner * hull.scale());
-        let above = mesh::file::load(path)?.into_iter().map(scaled).collect();
-        triangles.extend(mesh::divided(above, panel_m).ok_or(MeshError::TooMany { panel_m })?);
-    }
+    let above = superstructure(ship, hull)?;
+    triangles.extend(mesh::divided(above, panel_m).ok_or(MeshError::TooMany { panel_m })?);
     if triangles.len() > mesh::MOST_PANELS {
         return Err(MeshError::TooMany { panel_m }.into());
     }
     Ok(triangles)
+}
+
+/// What stands on the hull, in its axes and scaled with it; nothing where no file is given.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn superstructure(ship: &Ship, hull: &Hull) -> Result<Vec<Triangle>, ShipError> {
+    let Some(path) = &ship.mesh.superstructure else { return Ok(Vec::new()) };
+    let turned = |corner: DVec3| match ship.mesh.up {
+        UpAxis::Z => corner,
+        UpAxis::Y => DVec3::new(corner.x, -corner.z, corner.y),
+    };
+    let placed = |triangle: Triangle| triangle.map(|corner| turned(corner) * hull.scale());
+    Ok(mesh::file::load(path)?.into_iter().map(placed).collect())
 }
 
 /// What the motion of a hull in waves depends on.

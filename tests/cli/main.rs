@@ -9,10 +9,12 @@ mod control;
 mod examples;
 #[cfg(unix)]
 mod export_sigmf;
+mod cases_named;
 mod export;
 #[cfg(unix)]
 mod files;
 mod focus;
+mod foreign_files;
 mod help;
 #[cfg(unix)]
 mod inputs;

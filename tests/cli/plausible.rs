@@ -186,6 +186,70 @@ fn slow_sentences_are_waited_for() {
     assert!(ended.stderr.contains(stderr), "{}", ended.stderr);
 }
 
+/// A track of a minute to the West at 56 m/s, with the yaw and in the order of columns that are given.
+fn westward(path: &Path, columns: &str, row: impl Fn(f64, f64) -> String) {
+    let mut text = format!("time_utc,{columns}\n");
+    for second in 0..40 {
+        text += &format!("2021-06-01T12:00:{second:02}Z,{}\n", row(51.0, 1.5 - 8e-4 * f64::from(second)));
+    }
+    fs::write(path, text).unwrap();
+}
+
+const WESTWARD: &str = "{ kind = \"csv\", path = \"west.csv\", datum = \"msl\" }";
+
+#[test]
+fn yaw_in_radians_is_suspected() {
+    let columns = "lat_deg,lon_deg,height_m,yaw_deg,pitch_deg,roll_deg";
+    // Due West in radians, in degrees, and a heading by the North that wind might ask for.
+    for (yaw, suspected) in [(-1.57, true), (4.71, true), (270.0, false), (-90.0, false), (0.2, false)] {
+        let folder = tempfile::tempdir().unwrap();
+        let row = |lat: f64, lon: f64| format!("{lat},{lon},300,{yaw},0,0");
+        westward(&folder.path().join("west.csv"), columns, row);
+        let ended = nereus(folder.path(), &["check", &scenario(folder.path(), WESTWARD, "")]);
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        assert_eq!(ended.stderr.contains("is yaw_deg in radians?"), suspected, "{yaw}: {}", ended.stderr);
+    }
+}
+
+#[test]
+fn a_track_with_latitude_and_longitude_swapped_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |lat: f64, lon: f64| format!("{lon},{lat},300");
+    westward(&folder.path().join("west.csv"), "lat_deg,lon_deg,height_m", row);
+    let config = scenario(folder.path(), WESTWARD, "");
+    let ended = nereus(folder.path(), &["check", &config]);
+    assert_eq!(ended.code, 2, "{}", ended.stderr);
+    let said = "latitude and longitude of the track look swapped";
+    assert!(ended.stderr.contains(said), "{}", ended.stderr);
+    // The right order is not suspected.
+    westward(&folder.path().join("west.csv"), "lon_deg,lat_deg,height_m", row);
+    let ended = nereus(folder.path(), &["check", &config]);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(!ended.stderr.contains("swapped"), "{}", ended.stderr);
+}
+
+/// A pulse that fills its interval, and a window that fills it, too: every target is received.
+#[test]
+fn at_full_duty_targets_lie_in_the_window() {
+    let folder = tempfile::tempdir().unwrap();
+    let track = "{ kind = \"fixed\", position_m = [0.0, -500.0, 300.0] }";
+    let config = scenario(folder.path(), track, "");
+    let pulse = |pulse_s: &str, window: &[&str]| {
+        let pulse = format!("radar.waveform.pulse_s={pulse_s}");
+        let set = ["radar.sample_rate_hz=1e6", "radar.waveform.bandwidth_hz=0.5e6", &pulse];
+        let words: Vec<&str> = set.iter().chain(window).flat_map(|set| ["--set", set]).collect();
+        let ended = nereus(folder.path(), &[&["check", config.as_str()], &words[..]].concat());
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        ended.stderr
+    };
+    let full = ["radar.window.samples=10000", "radar.window.start_us=0"];
+    let stderr = pulse("1e-2", &full);
+    assert!(!stderr.contains("lies in the receive window"), "{stderr}");
+    // A short pulse is received whole or not at all.
+    let stderr = pulse("20e-6", &["radar.window.samples=64", "radar.window.start_us=300"]);
+    assert!(stderr.contains("no target lies in the receive window"), "{stderr}");
+}
+
 /// The same positions from a recording.
 #[test]
 fn a_recording_of_positions_derives_its_attitude() {

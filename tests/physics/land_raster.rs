@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use nereus::frames::{Earth, Geodetic, SceneFrame};
 use nereus::scene::{Land, Patch};
 use nereus::sea::land::Dem;
-use nereus::sea::land::geotiff::{Raster, RasterFault};
+use nereus::sea::land::fault::RasterFault;
+use nereus::sea::land::geotiff::Raster;
 
 use crate::dem::{Georeference, ORIGIN_DEG, around, write};
 

@@ -23,6 +23,8 @@ use crate::units::{Decibels, neat};
 pub const ECHO: &str = "echo";
 /// That of the echo of rain.
 pub const RAIN: &str = "echo of rain";
+/// That of land.
+pub const LAND: &str = "land";
 
 /// Something and what there is to say about it.
 #[derive(Clone, Debug, Serialize)]

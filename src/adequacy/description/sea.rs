@@ -1,6 +1,6 @@
 //! A sea in words.
 
-use super::{Described, described};
+use super::{Described, LAND, described};
 use crate::adequacy::{AZIMUTH_M, Adequacy};
 use crate::inputs::shown;
 use crate::scene::sea::{
@@ -17,7 +17,7 @@ use crate::units::neat;
 pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec<Described>) {
     let Some(sea) = &scene.sea else {
         without.push(described("sea", "no [sea]"));
-        without.push(described("land", "no [sea] and [land]: no echo and no shadow of coasts"));
+        without.push(described(LAND, "no [sea] and [land]: no echo and no shadow of coasts"));
         return;
     };
     with.push(described("sea", patch_text(sea, &scene.platforms)));
@@ -49,13 +49,13 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
     }
     match &sea.land {
         Some(land) => {
-            with.push(described("land", land_text(land)));
+            with.push(described(LAND, land_text(land)));
             without.push(described(
                 "land beyond the patch",
                 "[land] returns and hides facets within the patch alone; it hides targets and ships, but no direct path or rain",
             ));
         }
-        None => without.push(described("land", "no [land]: no echo and no shadow of coasts")),
+        None => without.push(described(LAND, "no [land]: no echo and no shadow of coasts")),
     }
     let scattering = &sea.scattering;
     let frozen = scattering.bragg == BraggWaves::Frozen;
@@ -141,7 +141,7 @@ pub fn rows(adequacy: &Adequacy) -> Vec<Described> {
             "resolution cell",
             format!("{range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): {facets:.1} facets"),
         ),
-        _ => described("resolution cell", "range does not resolve the ground"),
+        _ => described("resolution cell", "range does not resolve the ground at the centre of the patch"),
     });
     let part = match format!("{:.0}", 100.0 * adequacy.share_in_window).as_str() {
         "100" => "the whole patch".to_owned(),

@@ -44,7 +44,7 @@ fn ship_text(ship: &Ship) -> String {
     let hull = match &ship.hull {
         HullGiven::File(path) => shown(path),
         HullGiven::Wigley { beam_m, draught_m } => {
-            format!("Wigley's hull of {beam_m} m beam and {draught_m} m draught")
+            format!("Wigley's hull of {} m beam and {} m draught", neat(*beam_m), neat(*draught_m))
         }
     };
     let scaled = ship.length_m.map_or(String::new(), |length_m| format!(", {length_m} m long"));
@@ -53,7 +53,8 @@ fn ship_text(ship: &Ship) -> String {
     let heading_deg = neat((90.0 - towards_deg).rem_euclid(360.0));
     let mut text = format!(
         "{}: {hull}{scaled}; from {e} m East, {n} m North, heading {heading_deg} deg from North at {} m/s",
-        ship.name, ship.speed_mps
+        ship.name,
+        neat(ship.speed_mps)
     );
     if let Some(kelvin) = &ship.kelvin {
         text += "; Kelvin wake";
@@ -88,6 +89,14 @@ fn force(newtons: f64) -> String {
     if newtons < 1e3 { format!("{newtons:.3} N") } else { format!("{:.2} kN", newtons / 1e3) }
 }
 
+/// Extents of a mesh.
+pub fn mesh_text([along, across, up]: [[f64; 2]; 3]) -> String {
+    format!(
+        "reaches from {:.1} to {:.1} m forward of midship, {:.1} to {:.1} m to port, {:.1} to {:.1} m up",
+        along[0], along[1], across[0], across[1], up[0], up[1]
+    )
+}
+
 /// A ship in a line.
 pub fn figures(ship: &ShipOutlook) -> String {
     let mut text = format!(
@@ -112,6 +121,9 @@ pub fn figures(ship: &ShipOutlook) -> String {
     };
     if ship.panels > 0 {
         text += &format!("; {} panels of its mesh echo", ship.panels);
+    }
+    if let Some(extents_m) = ship.superstructure_m {
+        text += &format!("; its superstructure {}", mesh_text(extents_m));
     }
     if let Some(roll_period_s) = ship.roll_period_s {
         text += &format!("; it rides the waves and rolls with a period of {roll_period_s:.1} s");

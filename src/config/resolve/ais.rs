@@ -1,28 +1,32 @@
 //! Ships of recorded AIS logs.
 //!
-//! Of every vessel the report nearest to the start is taken and carried along its course to that instant;
-//! from there the ship sails straight on. Speed over the ground is taken for the speed through the water:
-//! currents are not known. Courses are turned from the North of the ship's place to that of the scene, by the
-//! convergence of meridians `(lon - lon_0) sin lat`.
+//! Of every vessel the report nearest to the start that has course and speed is taken and carried along its
+//! course to that instant; from there the ship sails straight on. Speed over the ground is taken for the speed
+//! through the water: currents are not known. Courses are turned from the North of the ship's place to that of
+//! the scene, by the convergence of meridians `(lon - lon_0) sin lat`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use super::{Ground, Names};
-use crate::config::error::Problem;
+use crate::config::error::{Problem, Warning};
 use crate::config::keys;
+use crate::config::resolve::plausible;
+use crate::config::resolve::ship_mesh;
 use crate::config::resolve::turbulent::turbulent;
 use crate::config::section::Section;
 use crate::frames::Geodetic;
-use crate::nav::ais::{self, Report};
+use crate::nav::ais::{self, Log, Report};
 use crate::scene::Ship;
-use crate::scene::ship::{HullGiven, KelvinWake, TurbulentWake};
+use crate::scene::ship::{HullGiven, KelvinWake, ShipMesh, TurbulentWake};
 use crate::time::TimeTag;
 
 /// Fastest ship, m/s.
 const MOST_SPEED_MPS: f64 = 100.0;
 /// Beam and draught of DTMB 5415 over its length.
 const SHAPE: [f64; 2] = [0.134, 0.043];
+/// Panels along a length, unless it is said how long they are.
+const PANELS_A_LENGTH: f64 = 50.0;
 
 /// Which vessels sail, and as what.
 struct Choice {
@@ -35,6 +39,10 @@ struct Choice {
     within_m: f64,
     kelvin: Option<KelvinWake>,
     turbulent: Option<TurbulentWake>,
+    echo: bool,
+    mesh: ShipMesh,
+    /// Whether it says how long panels are; else there are [`PANELS_A_LENGTH`].
+    own_panel_m: bool,
 }
 
 /// Vessels left out.
@@ -74,6 +82,8 @@ pub(super) fn ships(
     }
     let short_waves = section.flag_or(&k::WAKE_BRAGG, bragg_by_default);
     let turbulent = section.switched(&k::TURBULENT).map(|section| section.map(turbulent));
+    let echo = section.flag(&k::ECHO);
+    let mesh = ship_mesh::mesh(&section, echo, &k::PANEL_M);
     let anchored = ground.geodetic_allowed();
     if !anchored {
         section.fault(&k::LOG, Problem::LogNeedsOrigin);
@@ -91,6 +101,9 @@ pub(super) fn ships(
                 Some(turbulent) => Some(turbulent?),
                 None => None,
             },
+            echo: echo?,
+            mesh: mesh.clone()?,
+            own_panel_m: section.has(&k::PANEL_M),
         })
     };
     if log.as_ref().is_some_and(|path| section.reader().is_left_aside(path)) {
@@ -98,7 +111,14 @@ pub(super) fn ships(
         return Vec::new();
     }
     let reports = log.and_then(|path| match ais::load(&path) {
-        Ok(reports) => Some((path.display().to_string(), reports)),
+        Ok(Log { reports, passed_over }) => {
+            let log = path.display().to_string();
+            if !passed_over.is_nothing() {
+                let (log, reports) = (log.clone(), reports.len());
+                section.reader().warn(Warning::AisPassedOver { log, reports, passed_over });
+            }
+            Some((log, reports))
+        }
         Err(error) => {
             section.fault(&k::LOG, Problem::Log { error: error.to_string() });
             None
@@ -125,10 +145,11 @@ fn sail(
 ) -> Vec<Option<Ship>> {
     use keys::ais::{LOG, MMSI};
     let mut nearest: BTreeMap<u32, (f64, &Report)> = BTreeMap::new();
+    let says_nothing = |report: &Report| motion(report).is_none();
     for report in reports {
         let age_s = report.time.since(choice.start).abs();
         let best = nearest.entry(report.mmsi).or_insert((age_s, report));
-        if age_s < best.0 {
+        if (says_nothing(report), age_s) < (says_nothing(best.1), best.0) {
             *best = (age_s, report);
         }
     }
@@ -163,11 +184,20 @@ fn sail(
             "{old} have no report within most_age_s, {unknown} no course or speed, {at_rest} are slower than \
              least_speed_mps, {far} are beyond within_m"
         );
-        let problem = Problem::NobodySails { log: log.to_owned(), vessels: nearest.len(), why };
+        let swapped = nearest.values().any(|(_, report)| {
+            plausible::swapped(ground, Geodetic::from_deg(report.lat_deg, report.lon_deg, 0.0))
+        });
+        let vessels = nearest.len();
+        let problem = Problem::NobodySails { log: log.to_owned(), vessels, why, swapped };
         section.fault(&LOG, problem);
         return vec![None];
     }
     ships
+}
+
+/// Course and speed of a report, where both are those of a ship.
+fn motion(report: &Report) -> Option<(f64, f64)> {
+    report.course_deg.zip(report.speed_mps.filter(|speed| *speed <= MOST_SPEED_MPS))
 }
 
 /// The ship of a report, if it is under way there and then.
@@ -182,8 +212,7 @@ fn ship(
         left_out.old += 1;
         return None;
     }
-    let known = report.course_deg.zip(report.speed_mps.filter(|speed| *speed <= MOST_SPEED_MPS));
-    let Some((course_deg, speed_mps)) = known else {
+    let Some((course_deg, speed_mps)) = motion(report) else {
         left_out.unknown += 1;
         return None;
     };
@@ -223,8 +252,11 @@ fn ship(
         speed_mps,
         kelvin: choice.kelvin,
         turbulent: choice.turbulent,
-        echo: false,
-        mesh: Default::default(),
+        echo: choice.echo,
+        mesh: ShipMesh {
+            panel_m: if choice.own_panel_m { choice.mesh.panel_m } else { length_m / PANELS_A_LENGTH },
+            ..choice.mesh.clone()
+        },
         panels: Default::default(),
     })
 }

@@ -18,6 +18,7 @@ mod platform;
 mod radar;
 mod sea;
 mod ship;
+mod ship_mesh;
 mod turbulent;
 mod slick;
 mod stream;

@@ -1,6 +1,6 @@
 //! Positions.
 
-use super::Ground;
+use super::{Ground, plausible};
 use crate::config::error::Problem;
 use crate::config::hint::names;
 use crate::config::keys::{self, Key};
@@ -26,7 +26,9 @@ pub(super) fn above_sea(section: &Section<'_>, keys: &SurfaceKeys, ground: &Grou
         together(section, &[keys.lat_deg, keys.lon_deg]);
         needs_origin(section, keys.lat_deg, ground)?;
         let sea_m = ground.origin_h_m?;
-        let on_earth = ground.frame.from_geodetic(Geodetic::from_deg(lat_deg?, lon_deg?, sea_m))?;
+        let place = Geodetic::from_deg(lat_deg?, lon_deg?, sea_m);
+        plausible::swap(section, keys.lat_deg, place, ground);
+        let on_earth = ground.frame.from_geodetic(place)?;
         let [x_m, y_m, _] = on_earth.to_array();
         Some(ground.frame.above_sea(x_m, y_m, height_m?))
     } else {
@@ -71,7 +73,9 @@ pub(super) fn platform(section: &Section<'_>, ground: &Ground) -> Option<Place> 
         "ellipsoid" => h_m?,
         _ => h_m? + ground.origin_h_m?,
     };
-    Some(Place::Geodetic(Geodetic::from_deg(lat_deg?, lon_deg?, above_ellipsoid_m)))
+    let place = Geodetic::from_deg(lat_deg?, lon_deg?, above_ellipsoid_m);
+    plausible::swap(section, &LAT_DEG, place, ground);
+    Some(Place::Geodetic(place))
 }
 
 /// Whether the geodetic keys are written, faulting both forms and none.

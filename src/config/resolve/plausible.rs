@@ -1,18 +1,19 @@
 //! What a scenario cannot mean, and what it hardly means.
 //!
 //! Impossible is a fault: pulses that overlap, a target in the water. Legal but suspicious is a warning:
-//! windows that overlap, an aperture below half a wavelength, a target that its straight course leads below
-//! the sea. What needs trajectories is looked at where these are made (`pipeline::plausible`).
+//! windows that overlap, a chirp of less than a cycle, an aperture below half a wavelength, latitude and
+//! longitude swapped, a target that its straight course leads below the sea. What needs trajectories is looked
+//! at where these are made (`pipeline::plausible`).
 
 use super::Ground;
 use crate::config::error::{Problem, Warning};
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
-use crate::frames::{Enu, Point};
+use crate::frames::{Enu, Geodetic, Point};
 use crate::scene::Target;
-use crate::scene::radar::{AntennaMount, Pattern};
+use crate::scene::radar::{AntennaMount, Pattern, Waveform};
 use crate::time::PulseTimes;
-use crate::units::SPEED_OF_LIGHT_MPS;
+use crate::units::{SPEED_OF_LIGHT_MPS, neat};
 
 /// Depth that is rounding, m: coordinates reach 1e8 m.
 const ROUNDING_M: f64 = 1e-6;
@@ -39,6 +40,28 @@ pub(super) fn intervals(
     } else if let Some(window_s) = window_s.filter(longer) {
         let (window_us, pri_us) = (microseconds(window_s), microseconds(pri_s));
         radar.reader().warn(Warning::OverlappingWindows { window_us, pri_us });
+    }
+}
+
+/// A chirp against the length of its pulse.
+pub(super) fn band(radar: &Section<'_>, waveform: Option<&Waveform>) {
+    let Some(&Waveform::Lfm { bandwidth_hz, duration_s, .. }) = waveform else { return };
+    if bandwidth_hz * duration_s < 1.0 - 1e-9 {
+        let cell_m = 0.5 * SPEED_OF_LIGHT_MPS * duration_s;
+        radar.reader().warn(Warning::NarrowBand { bandwidth_hz, pulse_us: microseconds(duration_s), cell_m });
+    }
+}
+
+/// Whether a place would be near the origin with latitude and longitude exchanged, and is not.
+pub(super) fn swapped(ground: &Ground, place: Geodetic) -> bool {
+    ground.frame.origin().is_some_and(|origin| place.looks_swapped(origin))
+}
+
+/// Warns of such a place, given by a key.
+pub(super) fn swap(section: &Section<'_>, lat: &'static Key, place: Geodetic, ground: &Ground) {
+    if swapped(ground, place) {
+        let [lat_deg, lon_deg] = [place.lat_rad, place.lon_rad].map(|angle| neat(angle.to_degrees()));
+        section.reader().warn(Warning::Swapped { key: section.path_of(lat.name), lat_deg, lon_deg });
     }
 }
 

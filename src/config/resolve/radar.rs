@@ -89,6 +89,7 @@ pub(super) fn radar(
         let known = calibration.as_ref().map_or(0, Vec::len);
         check_size(&section, channels.len() + known, window.samples, has_adc);
     }
+    plausible::band(&section, waveform.as_ref());
     plausible::intervals(&section, emissions.as_ref(), pulse_s, limits.window_s);
     if let Some(channels) = &channels {
         warn_unused(&section, channels, &antennas);

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::ais;
 use super::place;
+use super::ship_mesh;
 use super::target::name;
 use super::turbulent::turbulent;
 use super::{Ground, Names};
@@ -11,7 +12,7 @@ use crate::config::error::Problem;
 use crate::config::keys::{self, MOST_SHIPS};
 use crate::config::section::Section;
 use crate::scene::Ship;
-use crate::scene::ship::{HullGiven, KelvinWake, ShipMesh, ShipMotion};
+use crate::scene::ship::{HullGiven, KelvinWake};
 use crate::time::TimeTag;
 
 /// Carrier below which short waves of ships scatter by default.
@@ -60,7 +61,7 @@ fn ship(section: Section<'_>, name: Option<String>, ground: &Ground, bragg_by_de
     let short_waves = section.flag_or(&k::WAKE_BRAGG, bragg_by_default);
     let turbulent = section.switched(&k::TURBULENT).map(|section| section.map(turbulent));
     let echo = section.flag(&k::ECHO);
-    let mesh = mesh(&section, echo);
+    let mesh = ship_mesh::mesh(&section, echo, &k::PANEL_M);
     section.finish();
     written?;
     if !(sound_length && sound_limit) {
@@ -81,44 +82,6 @@ fn ship(section: Section<'_>, name: Option<String>, ground: &Ground, bragg_by_de
         echo: echo?,
         mesh: mesh?,
         panels: Arc::default(),
-    })
-}
-
-/// The mesh by which a ship echoes.
-fn mesh(section: &Section<'_>, echo: Option<bool>) -> Option<ShipMesh> {
-    use keys::ship::{FREEBOARD_M, MESH, MOTION, PANEL_M, ROLL_PERIOD_S, SUPERSTRUCTURE};
-    let written = section.has(&MESH);
-    let used = if written { section.flag(&MESH) } else { None };
-    let of_mesh = [&SUPERSTRUCTURE, &FREEBOARD_M, &PANEL_M, &MOTION, &ROLL_PERIOD_S];
-    if echo == Some(false) {
-        section.idle(&[&MESH], "echo = false");
-        section.idle(&of_mesh, "echo = false");
-    } else if used == Some(false) {
-        section.idle(&of_mesh, "mesh = false");
-    }
-    let superstructure = if section.has(&SUPERSTRUCTURE) { section.file_or(&SUPERSTRUCTURE)? } else { None };
-    let freeboard_m = section.number(&FREEBOARD_M);
-    let sound = freeboard_m.is_some() || !section.has(&FREEBOARD_M);
-    let panel_m = section.number(&PANEL_M);
-    let motion = motion(section, echo == Some(false) || used == Some(false));
-    (sound && (used.is_some() || !written)).then_some(())?;
-    Some(ShipMesh { used, superstructure, freeboard_m, panel_m: panel_m?, motion: motion? })
-}
-
-/// How it rides the sea; `refused`: this is a fault that has been reported.
-fn motion(section: &Section<'_>, refused: bool) -> Option<ShipMotion> {
-    use keys::ship::{MOTION, ROLL_PERIOD_S};
-    let motion = section.choice(&MOTION)?;
-    if motion == "level" && !refused {
-        section.idle(&[&ROLL_PERIOD_S], "motion = \"level\"");
-    }
-    let roll_period_s = section.number(&ROLL_PERIOD_S);
-    if roll_period_s.is_none() && section.has(&ROLL_PERIOD_S) {
-        return None;
-    }
-    Some(match motion {
-        "waves" => ShipMotion::Waves { roll_period_s, form: None },
-        _ => ShipMotion::Level,
     })
 }
 

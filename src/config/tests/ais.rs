@@ -5,7 +5,7 @@ use std::fs;
 use proptest::prelude::*;
 
 use super::*;
-use crate::scene::ship::HullGiven;
+use crate::scene::ship::{HullGiven, ShipMotion};
 
 const SEA: &str = include_str!("../../../configs/sea.toml");
 
@@ -33,6 +33,13 @@ fn placed() -> String {
 pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
     vec![
         (SEA, vec![("ais", "[{ log = 'tracks/solent_ais.csv', hull = 'wigley' }]")]),
+        (
+            SEA,
+            vec![(
+                "ais",
+                "[{ log = 'tracks/solent_ais.csv', echo = true, mesh = true, superstructure = 'none' }]",
+            )],
+        ),
         (SEA, vec![("ais", "[{ log = 'tracks/solent_ais.csv', start_utc = '2016-01-12T13:05:00Z' }]")]),
     ]
 }
@@ -100,6 +107,49 @@ fn settings_of_a_log_arrive() {
 }
 
 #[test]
+fn ships_of_a_log_echo() {
+    let settings = "within_m = 1000\necho = true\nmotion = \"waves\"\nroll_period_s = 9\nfreeboard_m = 3";
+    let ships = read_log(&placed(), LOG, settings).unwrap().scene.ships;
+    for (ship, length_m) in ships.iter().zip([60.0, 120.0]) {
+        let mesh = &ship.mesh;
+        assert_eq!((ship.echo, ship.length_m, mesh.freeboard_m), (true, Some(length_m), Some(3.0)));
+        assert_eq!((mesh.panel_m, mesh.used, &mesh.superstructure), (length_m / 50.0, None, &None));
+        assert_eq!(mesh.motion, ShipMotion::Waves { roll_period_s: Some(9.0), form: None });
+    }
+    let ships = read_log(&placed(), LOG, "echo = true\npanel_m = 0.7").unwrap().scene.ships;
+    assert!(ships.iter().all(|ship| ship.mesh.panel_m == 0.7 && ship.mesh.motion == ShipMotion::Level));
+    let found = fault(&placed(), LOG, "panel_m = -1\nup = \"x\"\necho = true");
+    assert_eq!(found.matches("panel_m").count(), 1, "{found}");
+    assert!(found.contains("ais.0.up: "), "{found}");
+    let found = fault(&placed(), LOG, "panel_m = 1\nmesh = true");
+    assert!(found.matches("not allowed here (echo = false)").count() == 2, "{found}");
+}
+
+/// Of the reports of a vessel the nearest that says where she goes.
+#[test]
+fn a_report_without_course_is_not_the_nearest() {
+    let row = "2016-01-12 12:00:00.000,1,50.0,-0.9998,360.0,102.3,,,\n";
+    let ships = read_log(&placed(), &format!("{LOG}{row}"), "within_m = 1000").unwrap().scene.ships;
+    assert_eq!(ships, read_log(&placed(), LOG, "within_m = 1000").unwrap().scene.ships);
+}
+
+#[test]
+fn what_a_log_passes_over_is_said() {
+    let run = read_log(&placed(), LOG, "within_m = 1000").unwrap();
+    let warnings: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
+    let said = "log.csv: 8 position reports; passed over: 1 without a position, 2 without course or speed";
+    assert!(warnings.iter().any(|warning| warning.ends_with(said)), "{warnings:?}");
+}
+
+/// Columns exchanged: the origin lies at 50 N 1 W, so that vessels seem to be at 1 S 50 E.
+#[test]
+fn a_log_with_latitude_and_longitude_swapped_says_so() {
+    let swapped = LOG.replace("Latitude_degrees,Longitude", "Longitude_degrees,Latitude");
+    let found = fault(&placed(), &swapped, "");
+    assert!(found.contains("; with latitude and longitude swapped, vessels would be near"), "{found}");
+}
+
+#[test]
 fn a_recorded_log_sails() {
     let origin = "[scene]\norigin_lat_deg = 50.75\norigin_lon_deg = -1.1\norigin_h_m = 46\nstart_utc = \"2016-01-12T13:05:00Z\"\n";
     let text = SEA.replace("[scene]\n", origin) + "\n[[ais]]\nlog = \"tracks/solent_ais.csv\"\n";
@@ -115,9 +165,8 @@ fn logs_that_are_none() {
     let placed = placed();
     let corrupted = LOG.replace("50.001,", "north,").replace("8.0,120", "8.0,1200");
     insta::assert_snapshot!(fault(&placed, &corrupted, ""), @r#"
-ais.0.log: here/log.csv: 2 faults
+ais.0.log: here/log.csv: 1 fault
   line 4: Latitude_degrees = 'north' is not a finite number
-  line 10: Length_metres = 1200 is out of range: 0 to 1000
 "#);
     insta::assert_snapshot!(fault(&placed, LOG, "mmsi = [9]"), @r#"ais.0.mmsi: there is no vessel "9"; allowed: 1, 2, 3, 4, 5, 6, 8"#);
     insta::assert_snapshot!(fault(&placed, LOG, "least_speed_mps = 50\nmost_age_s = -1"), @r#"ais.0.most_age_s: -1 is out of range; allowed: a number from 0 to 1e6 s"#);
@@ -128,13 +177,8 @@ ais.0.log: positions of a log need scene.origin_lat_deg, origin_lon_deg and orig
 "#);
     insta::assert_snapshot!(fault(&placed, LOG, "[[ais]]\nlog = \"log.csv\"\nmmsi = [8]"), @r#"ais.1.log: "mmsi-8" is already the name of another ship; allowed: unique names"#);
     insta::assert_snapshot!(fault(&placed, "a,b\n", "wake = false\nwake_bragg = true"), @r#"
-ais.0.log: here/log.csv: 6 faults
-  line 1: missing: Time
-  line 1: missing: MMSI
-  line 1: missing: Latitude_degrees
-  line 1: missing: Longitude_degrees
-  line 1: missing: COG_degrees
-  line 1: missing: SOG_knots
+ais.0.log: here/log.csv: 1 fault
+  line 1: missing: Time, MMSI, Latitude_degrees, Longitude_degrees, COG_degrees, SOG_knots; allowed: the columns Time (UTC), MMSI, Latitude_degrees, Longitude_degrees, COG_degrees, SOG_knots, or as MarineCadastre (BaseDateTime, MMSI, LAT, LON, COG, SOG) or the Danish Maritime Authority (# Timestamp, MMSI, Latitude, Longitude, COG, SOG) names them; or sentences !AIVDM
 ais.0.wake_bragg: not allowed here (wake = false)
 "#);
 }
@@ -147,8 +191,8 @@ proptest! {
         let mut log = LOG.to_owned();
         let from = at.min(log.len());
         log.replace_range(from..(from + cut).min(log.len()), &with);
-        if let Ok(reports) = crate::nav::ais::parse(log.as_bytes()) {
-            prop_assert!(reports.iter().all(|r| r.lat_deg.abs() <= 90.0 && r.lon_deg.abs() <= 180.0));
+        if let Ok(log) = crate::nav::ais::parse(log.as_bytes()) {
+            prop_assert!(log.reports.iter().all(|r| r.lat_deg.abs() <= 90.0 && r.lon_deg.abs() <= 180.0));
         }
     }
 }

@@ -84,7 +84,7 @@ pub enum MeshFault {
     },
     /// Corners that are no places of a ship.
     #[error(
-        "{count} triangles with a corner that is not finite or farther than {MOST_M} m from midship, the first is triangle {first}; allowed: metres, x forward, y to port, z up from the waterline"
+        "{count} triangles with a corner that is not finite or farther than {MOST_M} m from midship, the first is triangle {first}; allowed: metres (not millimetres or inches), x forward, y to port, z up from the waterline"
     )]
     Places {
         /// How many.

@@ -4,6 +4,7 @@
 //! seen from outside. Materials, colours and normals of the file are not used. All faults are reported at
 //! once.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -40,11 +41,30 @@ pub fn load(path: &Path) -> Result<Vec<Triangle>, MeshError> {
     if faults.is_empty() { Ok(triangles) } else { Err(faulty(faults)) }
 }
 
+/// Lines with those that a backslash at their end continues.
+fn continued(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if !bytes.contains(&b'\\') {
+        return Cow::Borrowed(bytes);
+    }
+    let mut joined = Vec::with_capacity(bytes.len());
+    for line in bytes.split_inclusive(|byte| *byte == b'\n') {
+        match line.trim_ascii_end().strip_suffix(b"\\") {
+            Some(begun) => {
+                joined.extend_from_slice(begun);
+                joined.push(b' ');
+            }
+            None => joined.extend_from_slice(line),
+        }
+    }
+    Cow::Owned(joined)
+}
+
 /// The corners and faces of an OBJ file; `None` of too many faces. Its reader multiplies indices of normals
 /// without a check, and keeps all that it reads.
 fn shape(bytes: &[u8]) -> Option<Vec<u8>> {
     let (mut kept, mut faces) = (Vec::new(), 0);
-    for line in bytes.split(|byte| *byte == b'\n') {
+    let joined = continued(bytes);
+    for line in joined.split(|byte| *byte == b'\n') {
         let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
             Some(b"v") => kept.extend_from_slice(line),
@@ -110,9 +130,25 @@ fn obj(bytes: &[u8], faults: &mut Vec<MeshFault>) -> Vec<Triangle> {
     triangles
 }
 
+/// A text STL in lower case, as its reader has it; a binary one as it is, known by its length, since its
+/// header may begin like a text.
+fn lower_case(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let count =
+        bytes.get(80..84).map(|count| count.iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte)));
+    let is_binary = count.is_some_and(|count| bytes.len() == 84 + 50 * count);
+    let text = bytes.trim_ascii_start();
+    match text.get(..5) {
+        Some(word) if !is_binary && word.eq_ignore_ascii_case(b"solid") => {
+            Cow::Owned(text.to_ascii_lowercase())
+        }
+        _ => Cow::Borrowed(bytes),
+    }
+}
+
 fn stl(bytes: &[u8], faults: &mut Vec<MeshFault>) -> Vec<Triangle> {
+    let bytes = lower_case(bytes);
     let read = || -> std::io::Result<Vec<Triangle>> {
-        let mut cursor = Cursor::new(bytes);
+        let mut cursor = Cursor::new(&bytes);
         let triangles = stl_io::create_stl_reader(&mut cursor)?;
         triangles
             .take(MOST_TRIANGLES + 1)
@@ -208,6 +244,34 @@ mod tests {
             vertices: corners.map(|corner| stl_io::Vertex::new(corner.to_array().map(|x| x as f32))),
         });
         stl_io::write_stl(&mut bytes, triangles.collect::<Vec<_>>().iter()).unwrap();
+        assert_eq!(loaded("house.stl", &bytes).unwrap(), of_obj);
+    }
+
+    /// Lines continued by a backslash, with both ends of lines; text in capitals; a binary file that says
+    /// solid.
+    #[test]
+    fn variants_of_both_formats_are_read() {
+        let text = cube(|_| false);
+        let of_obj = loaded("house.obj", text.as_bytes()).unwrap();
+        for end in ["\n", "\r\n"] {
+            let continued =
+                text.replace("f ", &format!("f \\{end} ")).replace("v 0", &format!("v \\ {end}0"));
+            assert_eq!(loaded("house.obj", continued.as_bytes()).unwrap(), of_obj);
+        }
+        let mut facets = String::from("Solid house\n");
+        let mut bytes = [&b"solid house"[..], &[b' '; 69], &12u32.to_le_bytes()].concat();
+        for corners in &of_obj {
+            facets += " FACET NORMAL 0 0 0\n  Outer Loop\n";
+            bytes.extend([0; 12]);
+            for corner in corners {
+                facets += &format!("   VERTEX {:E} {:E} {:E}\n", corner.x, corner.y, corner.z);
+                bytes.extend(corner.to_array().iter().flat_map(|x| (*x as f32).to_le_bytes()));
+            }
+            facets += "  EndLoop\n ENDFACET\n";
+            bytes.extend([0; 2]);
+        }
+        facets += "ENDSOLID house\n";
+        assert_eq!(loaded("house.STL", facets.as_bytes()).unwrap(), of_obj);
         assert_eq!(loaded("house.stl", &bytes).unwrap(), of_obj);
     }
 

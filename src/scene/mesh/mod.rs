@@ -113,6 +113,14 @@ fn waterline(hull: &Hull, panel_m: f64) -> Vec<[f64; 2]> {
     line
 }
 
+/// Lowest and highest coordinates of triangles along each axis, m; `None` of none.
+pub fn extents_m(of: &[Triangle]) -> Option<[[f64; 2]; 3]> {
+    let corners = || of.iter().flatten();
+    let low = corners().copied().reduce(DVec3::min)?.to_array();
+    let high = corners().copied().reduce(DVec3::max)?.to_array();
+    Some([0, 1, 2].map(|axis| [low[axis], high[axis]]))
+}
+
 /// Triangles without an edge longer than asked; `None` of more than [`MOST_PANELS`].
 pub fn divided(mut open: Vec<Triangle>, panel_m: f64) -> Option<Vec<Triangle>> {
     let mut done = Vec::new();

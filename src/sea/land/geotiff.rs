@@ -2,114 +2,25 @@
 //!
 //! What is read of the georeference: the pixel scale with one tie point, or a transformation without
 //! rotation; whether coordinates are those of a pixel's corner or of its middle; the code of the coordinate
-//! system. Cells without data (GDAL's tag) are sea.
+//! system. Cells without data (GDAL's tag) are sea; what the others mean: [`super::vertical`].
+//!
+//! A file is unpacked piece by piece, and its heights take memory in proportion to it: at most
+//! [`MOST_UNPACKED`] bytes for each of its own, and [`FREE_BYTES`].
 
 use std::io::Cursor;
 use std::path::Path;
 
-use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
+use super::fault::{BELIEVED_M, FREE_BYTES, MAX_BYTES, MAX_CELLS, MOST_UNPACKED, RasterFault};
+use super::heights::Heights;
 use super::projection::Crs;
+use super::vertical::Vertical;
 use crate::inputs;
 
-/// Longest file that is read, bytes.
-pub const MAX_BYTES: u64 = 1 << 30;
-/// Most cells of a raster.
-pub const MAX_CELLS: u64 = 1 << 26;
-/// Heights that are believed, m.
-const BELIEVED_M: [f64; 2] = [-12_000.0, 9_000.0];
-
-/// What is wrong with a raster of heights.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RasterFault {
-    /// It cannot be read.
-    #[error("cannot be read: {0}")]
-    Unreadable(String),
-    /// It is longer than is read.
-    #[error("longer than {} MiB; cut the part of the coast that the patch needs (gdalwarp -te)", MAX_BYTES >> 20)]
-    TooLong,
-    /// It is no TIFF, or corrupt.
-    #[error("no GeoTIFF, or corrupt ({0}); allowed: an uncompressed, LZW or deflate GeoTIFF")]
-    NoTiff(String),
-    /// Too many cells.
-    #[error(
-        "{columns} x {rows} cells; allowed: 2 x 2 to {MAX_CELLS} cells; cut the part that the patch needs"
-    )]
-    Size {
-        /// Columns.
-        columns: u32,
-        /// Rows.
-        rows: u32,
-    },
-    /// Not one band of numbers.
-    #[error("its colour type is {0}; allowed: one band of heights")]
-    Bands(String),
-    /// It is not georeferenced.
-    #[error(
-        "without georeference ({0}); allowed: ModelPixelScale with one ModelTiepoint, or ModelTransformation, beside GeoKeys of EPSG 4326, \
-         4258, 4979, 326xx, 327xx or 258xx (gdal_translate -a_srs EPSG:4326 -a_ullr ... writes them)"
-    )]
-    NoGeoreference(&'static str),
-    /// It is turned.
-    #[error(
-        "rotated or flipped; allowed: rows from North to South, columns from West to East (gdalwarp makes them)"
-    )]
-    Rotated,
-    /// An unknown system.
-    #[error(
-        "coordinate system {0}; allowed: EPSG 4326, 4258, 4979, 326xx, 327xx or 258xx (gdalwarp -t_srs EPSG:4326)"
-    )]
-    UnknownCrs(String),
-    /// Heights that are none.
-    #[error(
-        "{count} cells without a height between {} and {} m, the first in column {column}, row {row}; \
-         declare them as nodata (gdal_translate -a_nodata), which is sea", BELIEVED_M[0], BELIEVED_M[1]
-    )]
-    Heights {
-        /// Cells.
-        count: u64,
-        /// Column of the first.
-        column: usize,
-        /// Row of the first.
-        row: usize,
-    },
-    /// The patch leaves it.
-    #[error(
-        "does not cover the patch: {share:.0} % of its edge lie outside {}; a larger raster, or a patch within",
-        area(*crs, *low, *high)
-    )]
-    Uncovered {
-        /// Per cent of the points along the patch's edge.
-        share: f64,
-        /// System of the coordinates.
-        crs: Crs,
-        /// South-west corner of the raster.
-        low: [f64; 2],
-        /// North-east corner.
-        high: [f64; 2],
-    },
-    /// The scene is not georeferenced.
-    #[error("the scene is not georeferenced; set scene.origin_lat_deg, origin_lon_deg and origin_h_m")]
-    NoOrigin,
-}
-
-fn area(crs: Crs, low: [f64; 2], high: [f64; 2]) -> String {
-    match crs {
-        Crs::Geographic => {
-            format!("latitude {:.5} to {:.5}, longitude {:.5} to {:.5} deg", low[1], high[1], low[0], high[0])
-        }
-        Crs::Utm { zone, south } => format!(
-            "UTM zone {zone}{}, {:.0} to {:.0} m East, {:.0} to {:.0} m North",
-            if south { "S" } else { "N" },
-            low[0],
-            high[0],
-            low[1],
-            high[1]
-        ),
-    }
-}
+/// Tag of GDAL's metadata.
+const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
 /// Heights on a grid.
 #[derive(Debug)]
@@ -122,8 +33,10 @@ pub struct Raster {
     pub step: [f64; 2],
     /// Columns and rows.
     pub size: [usize; 2],
-    /// Row by row, m; NaN where there are no data.
-    pub height_m: Vec<f32>,
+    /// Of its cells, m; NaN where there are no data.
+    pub heights: Heights,
+    /// What values of the file mean.
+    pub vertical: Vertical,
 }
 
 impl Raster {
@@ -149,8 +62,9 @@ impl Raster {
             vec![RasterFault::NoTiff(inputs::one_line(&error.to_string()).into_owned())]
         };
         let mut limits = Limits::default();
-        limits.decoding_buffer_size = 8 * MAX_CELLS as usize;
-        limits.intermediate_buffer_size = 8 * MAX_CELLS as usize;
+        let most_bytes = FREE_BYTES.saturating_add(MOST_UNPACKED.saturating_mul(bytes.len()));
+        limits.decoding_buffer_size = most_bytes.min(8 * MAX_CELLS as usize);
+        limits.intermediate_buffer_size = limits.decoding_buffer_size;
         let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(corrupt)?.with_limits(limits);
         let (columns, rows) = decoder.dimensions().map_err(corrupt)?;
         let mut faults = Vec::new();
@@ -164,27 +78,30 @@ impl Raster {
             Err(error) => faults.extend(corrupt(error)),
         }
         let georeference = Georeference::of(&mut decoder, &mut faults);
-        let nodata = decoder
-            .find_tag(Tag::GdalNodata)
-            .ok()
-            .flatten()
-            .and_then(|value| value.into_string().ok())
+        let nodata = text(&mut decoder, Tag::GdalNodata)
             .and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
+        let units =
+            geo_keys(&mut decoder).map(|keys| [VERTICAL_UNITS, VERTICAL].map(|key| of_key(&keys, key)));
+        let metadata = text(&mut decoder, GDAL_METADATA);
+        let vertical = Vertical::of(units.unwrap_or_default(), metadata.as_deref(), &mut faults);
         // The samples of what is too large or has several bands are not looked at.
         let sized = !faults.iter().any(|f| matches!(f, RasterFault::Size { .. } | RasterFault::Bands(_)));
-        let mut height_m = Vec::new();
-        if sized {
-            match decoder.read_image() {
-                Ok(samples) => height_m = heights(samples, nodata, columns as usize, &mut faults),
+        let mut heights = Heights::new([0, 0], 0);
+        if let Some(vertical) = vertical.filter(|_| sized) {
+            let size = [columns as usize, rows as usize];
+            heights = Heights::new(size, most_bytes);
+            let mut values = Values { vertical, nodata, odd: 0, first: [0, 0] };
+            match unpack(&mut decoder, size, &mut values, &mut heights) {
+                Ok(Some(())) => faults.extend(values.fault()),
+                Ok(None) | Err(tiff::TiffError::LimitsExceeded) => {
+                    faults.push(RasterFault::Swollen { bytes: bytes.len() });
+                }
                 Err(error) => faults.extend(corrupt(error)),
             }
-            if faults.is_empty() && height_m.len() as u64 != cells {
-                faults.push(RasterFault::NoTiff(format!("{} heights for {cells} cells", height_m.len())));
-            }
         }
-        match georeference {
-            Some(Georeference { crs, first, step }) if faults.is_empty() => {
-                Ok(Self { crs, first, step, size: [columns as usize, rows as usize], height_m })
+        match (georeference, vertical) {
+            (Some(Georeference { crs, first, step }), Some(vertical)) if faults.is_empty() => {
+                Ok(Self { crs, first, step, size: [columns as usize, rows as usize], heights, vertical })
             }
             _ => Err(faults),
         }
@@ -217,7 +134,7 @@ impl Raster {
         };
         let ((c, u), (r, v)) = (of(column, self.size[0]), of(row, self.size[1]));
         let cell = |column: usize, row: usize| {
-            let height_m = self.height_m[row * self.size[0] + column];
+            let height_m = self.heights.at([column, row]);
             if height_m.is_nan() { missing_m } else { f64::from(height_m) }
         };
         let above = cell(c, r) * (1.0 - u) + cell(c + 1, r) * u;
@@ -233,50 +150,103 @@ impl Raster {
     }
 }
 
-/// Heights of samples, without those that are none.
-fn heights(
-    samples: DecodingResult,
+/// From the values of a file to heights.
+struct Values {
+    vertical: Vertical,
     nodata: Option<f64>,
-    columns: usize,
-    faults: &mut Vec<RasterFault>,
-) -> Vec<f32> {
-    fn wide<T: Copy>(samples: &[T], to: impl Fn(T) -> f64 + Copy) -> impl Iterator<Item = f64> {
-        samples.iter().map(move |sample| to(*sample))
-    }
-    let values: Vec<f64> = match &samples {
-        DecodingResult::U8(of) => wide(of, f64::from).collect(),
-        DecodingResult::U16(of) => wide(of, f64::from).collect(),
-        DecodingResult::U32(of) => wide(of, f64::from).collect(),
-        DecodingResult::U64(of) => wide(of, |v| v as f64).collect(),
-        DecodingResult::I8(of) => wide(of, f64::from).collect(),
-        DecodingResult::I16(of) => wide(of, f64::from).collect(),
-        DecodingResult::I32(of) => wide(of, f64::from).collect(),
-        DecodingResult::I64(of) => wide(of, |v| v as f64).collect(),
-        DecodingResult::F16(of) => wide(of, |v| f64::from(f32::from(v))).collect(),
-        DecodingResult::F32(of) => wide(of, f64::from).collect(),
-        DecodingResult::F64(of) => of.clone(),
-    };
-    let (mut count, mut first) = (0, 0);
-    let missing = |value: f64| {
-        nodata.is_some_and(|nodata| value == nodata || value.is_nan() && nodata.is_nan())
+    /// Cells whose height is none, and the first of them.
+    odd: u64,
+    first: [usize; 2],
+}
+
+impl Values {
+    /// Height of a cell, m; NaN without data.
+    fn height_m(&mut self, value: f64, cell: [usize; 2]) -> f32 {
+        let missing = self.nodata.is_some_and(|nodata| {
             // Rasters in f32 name a nodata value that f32 rounds.
-            || nodata.is_some_and(|nodata| value as f32 == nodata as f32)
-    };
-    let height_m = values.iter().enumerate().map(|(at, &value)| {
-        if missing(value) {
+            value == nodata || value as f32 == nodata as f32 || value.is_nan() && nodata.is_nan()
+        });
+        if missing {
             return f32::NAN;
         }
-        if !(BELIEVED_M[0]..=BELIEVED_M[1]).contains(&value) {
-            first = if count == 0 { at } else { first };
-            count += 1;
+        let height_m = self.vertical.height_m(value);
+        if !(BELIEVED_M[0]..=BELIEVED_M[1]).contains(&height_m) {
+            self.first = if self.odd == 0 || cell[1] < self.first[1] { cell } else { self.first };
+            self.odd += 1;
         }
-        value as f32
-    });
-    let height_m = height_m.collect();
-    if count > 0 {
-        faults.push(RasterFault::Heights { count, column: first % columns, row: first / columns });
+        height_m as f32
     }
-    height_m
+
+    fn fault(&self) -> Option<RasterFault> {
+        let (count, [column, row]) = (self.odd, self.first);
+        (count > 0).then_some(RasterFault::Heights { count, column, row })
+    }
+}
+
+/// Unpacks strips or tiles one by one; `None` where heights take more memory than is allowed.
+fn unpack(
+    decoder: &mut Decoder<Cursor<&[u8]>>,
+    [columns, rows]: [usize; 2],
+    values: &mut Values,
+    heights: &mut Heights,
+) -> Result<Option<()>, tiff::TiffError> {
+    let chunk = match decoder.get_chunk_type() {
+        // A strip may claim more rows than there are.
+        ChunkType::Strip => {
+            [columns, decoder.get_tag_u32(Tag::RowsPerStrip).map_or(rows, |n| n as usize).min(rows)]
+        }
+        ChunkType::Tile => {
+            [Tag::TileWidth, Tag::TileLength].map(|tag| decoder.get_tag_u32(tag).map_or(0, |n| n as usize))
+        }
+    };
+    if chunk.contains(&0) {
+        return Err(tiff::TiffError::FormatError(tiff::TiffFormatError::InconsistentSizesEncountered));
+    }
+    let [across, down] = [columns.div_ceil(chunk[0]), rows.div_ceil(chunk[1])];
+    for index in 0..across * down {
+        let first = [index % across * chunk[0], index / across * chunk[1]];
+        let size = [chunk[0].min(columns - first[0]), chunk[1].min(rows - first[1])];
+        let samples = decoder.read_chunk(u32::try_from(index)?)?;
+        let short = || tiff::TiffError::FormatError(tiff::TiffFormatError::InconsistentSizesEncountered);
+        for at in 0..size[0] * size[1] {
+            let cell = [first[0] + at % size[0], first[1] + at / size[0]];
+            let height_m = values.height_m(sample(&samples, at).ok_or_else(short)?, cell);
+            if heights.set(cell, height_m).is_none() {
+                return Ok(None);
+            }
+        }
+    }
+    Ok(Some(()))
+}
+
+/// A sample as a number.
+fn sample(samples: &DecodingResult, at: usize) -> Option<f64> {
+    match samples {
+        DecodingResult::U8(of) => of.get(at).copied().map(f64::from),
+        DecodingResult::U16(of) => of.get(at).copied().map(f64::from),
+        DecodingResult::U32(of) => of.get(at).copied().map(f64::from),
+        DecodingResult::U64(of) => of.get(at).map(|value| *value as f64),
+        DecodingResult::I8(of) => of.get(at).copied().map(f64::from),
+        DecodingResult::I16(of) => of.get(at).copied().map(f64::from),
+        DecodingResult::I32(of) => of.get(at).copied().map(f64::from),
+        DecodingResult::I64(of) => of.get(at).map(|value| *value as f64),
+        DecodingResult::F16(of) => of.get(at).map(|value| f64::from(f32::from(*value))),
+        DecodingResult::F32(of) => of.get(at).copied().map(f64::from),
+        DecodingResult::F64(of) => of.get(at).copied(),
+    }
+}
+
+fn text(decoder: &mut Decoder<Cursor<&[u8]>>, tag: Tag) -> Option<String> {
+    decoder.find_tag(tag).ok().flatten()?.into_string().ok()
+}
+
+fn geo_keys(decoder: &mut Decoder<Cursor<&[u8]>>) -> Option<Vec<u16>> {
+    decoder.find_tag(Tag::GeoKeyDirectoryTag).ok().flatten()?.into_u16_vec().ok()
+}
+
+/// The value of a GeoKey that is a number.
+fn of_key(keys: &[u16], wanted: u16) -> Option<u16> {
+    keys.chunks_exact(4).skip(1).find(|entry| entry[0] == wanted && entry[1] == 0).map(|entry| entry[3])
 }
 
 struct Georeference {
@@ -290,14 +260,14 @@ const MODEL: u16 = 1024;
 const RASTER: u16 = 1025;
 const GEOGRAPHIC: u16 = 2048;
 const PROJECTED: u16 = 3072;
+const VERTICAL: u16 = 4096;
+const VERTICAL_UNITS: u16 = 4099;
 
 impl Georeference {
     fn of(decoder: &mut Decoder<Cursor<&[u8]>>, faults: &mut Vec<RasterFault>) -> Option<Self> {
         let mut numbers = |tag| -> Option<Vec<f64>> { decoder.find_tag(tag).ok()??.into_f64_vec().ok() };
         let (scale, tie) = (numbers(Tag::ModelPixelScaleTag), numbers(Tag::ModelTiepointTag));
         let transformation = numbers(Tag::ModelTransformationTag);
-        let keys: Option<Vec<u16>> =
-            decoder.find_tag(Tag::GeoKeyDirectoryTag).ok().flatten().and_then(|v| v.into_u16_vec().ok());
         let place = match (scale.as_deref(), tie.as_deref(), transformation.as_deref()) {
             (_, _, Some(&[a, b, _, x, c, d, _, y, ..])) => {
                 if b != 0.0 || c != 0.0 || !(a > 0.0 && d < 0.0) {
@@ -327,16 +297,11 @@ impl Georeference {
             }
             sound
         });
-        let Some(keys) = keys else {
+        let Some(keys) = geo_keys(decoder) else {
             faults.push(RasterFault::NoGeoreference("no GeoKeys"));
             return None;
         };
-        let key = |wanted: u16| {
-            keys.chunks_exact(4)
-                .skip(1)
-                .find(|entry| entry[0] == wanted && entry[1] == 0)
-                .map(|entry| entry[3])
-        };
+        let key = |wanted: u16| of_key(&keys, wanted);
         let unnamed = || "without an EPSG code".to_owned();
         let code = |of: Option<u16>| of.map_or_else(unnamed, |code| format!("EPSG {code}"));
         let crs = match key(MODEL) {

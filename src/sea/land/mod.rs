@@ -14,13 +14,19 @@
 //! **Limits.** Land is seen, and hides facets, within the patch alone; all of the raster hides targets.
 //! Nothing on it moves.
 
+pub mod fault;
 pub mod geotiff;
+pub mod heights;
 pub mod projection;
+#[cfg(test)]
+mod tests;
+pub mod vertical;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use geotiff::{Raster, RasterFault};
+use fault::RasterFault;
+use geotiff::Raster;
 
 use super::surface::Fields;
 use super::surface::fields::Real;
@@ -66,8 +72,8 @@ impl Dem {
         if !origin.is_empty() {
             return Err(fail(origin));
         }
-        let top_m = raster.height_m.iter().copied().fold(0.0f32, f32::max);
-        let top_m = (f64::from(top_m) - land.sea_level_m).max(0.0);
+        let top_m = raster.heights.range_m().map_or(0.0, |[_, high_m]| f64::from(high_m).max(0.0));
+        let top_m = (top_m - land.sea_level_m).max(0.0);
         let dem = Self { raster, frame, sea_level_m: land.sea_level_m, seed, top_m };
         let worst = patches.iter().map(|patch| dem.outside(patch)).fold(0.0, f64::max);
         if worst > 0.0 {
@@ -81,6 +87,18 @@ impl Dem {
     /// Highest above the sea, m.
     pub fn top_m(&self) -> f64 {
         self.top_m
+    }
+
+    /// Lowest and highest cell with data above the sea, m, and what was done to the values of the file.
+    pub fn text(&self) -> String {
+        let range = match self.raster.heights.range_m() {
+            Some(range_m) => {
+                let [low_m, high_m] = range_m.map(|height_m| f64::from(height_m) - self.sea_level_m);
+                format!("its cells lie {low_m:.1} to {high_m:.1} m above the sea")
+            }
+            None => "none of its cells has data".to_owned(),
+        };
+        self.raster.vertical.text().map_or(range.clone(), |values| format!("{range} (values {values})"))
     }
 
     /// Share of points along the edge of a patch, its outermost corners among them, that the raster does not
