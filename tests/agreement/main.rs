@@ -21,6 +21,7 @@ mod measured;
 mod modulation;
 mod planned;
 mod radar_equation;
+mod random_plans;
 mod random_scene;
 mod random_scenes;
 mod rain;

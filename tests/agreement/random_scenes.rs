@@ -28,7 +28,7 @@ const BEYOND_DB: f64 = 1.5;
 /// Nine of ten plans are no more than that above what is measured, dB.
 const TOO_SAFE_DB: f64 = 15.0;
 
-fn variable(name: &str, default: u64) -> u64 {
+pub(super) fn variable(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().unwrap_or_else(|_| panic!("{name}: a number")))
 }
 
