@@ -40,6 +40,15 @@ fn breaking_waves_keep_the_error() {
 }
 
 #[test]
+fn breaking_waves_out_of_plane_keep_the_error() {
+    let path = "tests/data/cases/breaking-bistatic-90.toml";
+    keeps_the_error(
+        path,
+        &scene(path, &[("scene.patch_size_m", "[24, 24]"), ("fidelity.error_db", "-60.0")]),
+    );
+}
+
+#[test]
 fn a_part_of_a_run_with_breaking_waves_is_bit_identical() {
     for (path, settings) in &SCENES[..] {
         // Breakers are found half a second at a time: at pulse 111.
