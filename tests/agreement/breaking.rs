@@ -42,10 +42,14 @@ fn breaking_waves_keep_the_error() {
 #[test]
 fn breaking_waves_out_of_plane_keep_the_error() {
     let path = "tests/data/cases/breaking-bistatic-90.toml";
-    keeps_the_error(
-        path,
-        &scene(path, &[("scene.patch_size_m", "[24, 24]"), ("fidelity.error_db", "-60.0")]),
-    );
+    let settings = [
+        ("scene.patch_size_m", "[32, 32]"),
+        ("scene.duration_s", "0.1"),
+        ("radar.prf_hz", "200.0"),
+        ("sea.wind_mps", "18.0"),
+        ("fidelity.error_db", "-60.0"),
+    ];
+    keeps_the_error(path, &scene(path, &settings));
 }
 
 #[test]
