@@ -43,7 +43,6 @@ use crate::radar::filter::ReceiveFilter;
 use crate::radar::link::Link;
 use crate::radar::pattern::{GridPattern, Quantity};
 use crate::radar::polarisation::{PortBasis, field};
-use crate::radar::rain::attenuation_db_per_km;
 use crate::radar::receiver::thermal_noise_w;
 use crate::radar::waveform::{self, Waveform};
 use crate::scattering::target::Scatterer;
@@ -366,12 +365,7 @@ impl Sights<'_> {
         let radar = &self.scene.radar;
         let (transmitter, receiver) =
             (&radar.transmitters[pair.transmitter], &radar.receivers[pair.receiver]);
-        let link = Link::new(
-            transmitter.power_w,
-            radar.wavelength_m(),
-            radar.losses_db,
-            radar.atmosphere_db_per_km + attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph),
-        );
+        let link = Link::of(radar, pair.transmitter);
         let (sent, back) = (path.incident, -path.scattered);
         let gain = |end: usize, of: &Stood, d: DVec3| power(&self.antennas[end], of.axes.transpose() * d);
         let scale = link.scattered_over(path).powi(2) * gain(ends[0], tx, sent) * gain(ends[1], rx, back);
@@ -388,7 +382,8 @@ impl Sights<'_> {
                 let e_r = field(&rx.basis, channel.rx, leaks[1], back, &basis_out);
                 let returned = e_r[0] * (s[0][0] * e_t[0] + s[0][1] * e_t[1])
                     + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1]);
-                (place, scale * returned.norm_sqr())
+                let rain = link.in_rain_over([channel.tx, channel.rx], path);
+                (place, scale * returned.norm_sqr() * (rain * rain))
             })
             .collect()
     }

@@ -17,6 +17,7 @@ mod hostile;
 mod refused;
 mod changes;
 mod live;
+mod names;
 mod navigation;
 mod errors;
 mod faults;

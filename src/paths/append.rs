@@ -257,7 +257,11 @@ impl PathGenerator {
                         + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1])
                 }
             };
-            amplitude[channel] = gains * returned;
+            let rain = match matrix {
+                Some(_) => plan.link.in_rain_over([tx_port, rx_port], path),
+                None => plan.link.in_rain_direct([tx_port, rx_port], path),
+            };
+            amplitude[channel] = gains * returned * rain;
         }
     }
 }

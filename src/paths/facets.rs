@@ -61,6 +61,8 @@ pub(super) struct PairColumns {
     scattered: [Vec<f64>; 3],
     /// Everything of the amplitude but the scattering and the polarisations.
     scale: Vec<Complex64>,
+    /// Lengths of both legs, m.
+    legs_m: Vec<[f64; 2]>,
     /// Polarisation basis of the receive antenna at reception.
     rx_bases: Vec<PortBasis>,
 }
@@ -129,11 +131,12 @@ pub(super) fn motion(fields: &Fields<f64>, index: usize, [x, y]: [f64; 2], drop_
 
 impl PairColumns {
     fn clear(&mut self) {
-        let Self { delay_s, delay_rate, incident, scattered, scale, rx_bases } = self;
+        let Self { delay_s, delay_rate, incident, scattered, scale, legs_m, rx_bases } = self;
         delay_s.clear();
         delay_rate.clear();
         incident.iter_mut().chain(scattered).for_each(Vec::clear);
         scale.clear();
+        legs_m.clear();
         rx_bases.clear();
     }
 
@@ -143,9 +146,10 @@ impl PairColumns {
     }
 
     fn reserve(&mut self) {
-        let Self { delay_s, delay_rate, incident, scattered, scale, rx_bases } = self;
+        let Self { delay_s, delay_rate, incident, scattered, scale, legs_m, rx_bases } = self;
         [delay_s, delay_rate].into_iter().chain(incident).chain(scattered).for_each(|c| c.reserve(CHUNK));
         scale.reserve(CHUNK);
+        legs_m.reserve(CHUNK);
         rx_bases.reserve(CHUNK);
     }
 }
@@ -219,6 +223,7 @@ impl Chunk {
                 column.push(d);
             }
             columns.scale.push(scale);
+            columns.legs_m.push([path.tx_leg_s, path.rx_leg_s].map(|leg_s| leg_s * SPEED_OF_LIGHT_MPS));
             let span_s = reception.axes_span_s;
             columns.rx_bases.push(reception.emission.basis_after(rx, path.delay_s, span_s));
         }
@@ -230,6 +235,7 @@ impl Chunk {
                     c.pop();
                 });
                 columns.scale.pop();
+                columns.legs_m.pop();
                 columns.rx_bases.pop();
             }
         }
@@ -364,7 +370,9 @@ impl Chunk {
                     let (t, r) = (e_t.of(tx_port), e_r.of(rx_port));
                     let received =
                         r[0] * (vv[i] * t[0] + vh[i] * t[1]) + r[1] * (hv[i] * t[0] + hh[i] * t[1]);
-                    self.amplitude[channel][i] = scale * received;
+                    let (legs_m, rises) = (columns.legs_m[i], [incident.z, scattered.z]);
+                    let rain = plan.link.in_rain([tx_port, rx_port], legs_m, rises);
+                    self.amplitude[channel][i] = scale * received * rain;
                 }
             }
         }

@@ -132,7 +132,6 @@ use crate::radar::antenna::Antenna;
 use crate::radar::clock::RunningClocks;
 use crate::radar::fault::{RadarError, RadarFault, check_numbers, check_references, mounts};
 use crate::radar::link::Link;
-use crate::radar::rain::attenuation_db_per_km;
 use crate::scene::radar::{Aim, Pair, Polarisation};
 use crate::scene::{Radar, Scene, Target};
 use crate::time::TimeTag;
@@ -171,12 +170,7 @@ fn pair_plans(radar: &Radar, pairs: &[Pair], channel_pairs: &[usize]) -> Vec<Pai
         .enumerate()
         .map(|(index, &pair)| PairPlan {
             pair,
-            link: Link::new(
-                radar.transmitters[pair.transmitter].power_w,
-                radar.wavelength_m(),
-                radar.losses_db,
-                radar.atmosphere_db_per_km + attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph),
-            ),
+            link: Link::of(radar, pair.transmitter),
             channels: radar
                 .channels
                 .iter()

@@ -18,6 +18,7 @@
 //! ```
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 
 use crate::frames::{Body, Enu, Point, SceneFrame, Vector};
 use crate::pulse::Pulse;
@@ -93,6 +94,7 @@ pub fn with_scatterers(scene: &Scene) -> Result<Cow<'_, Scene>, FleetErrors> {
     }
     let mut extended = scene.clone();
     let (mut faults, mut together) = (Vec::new(), 0);
+    let mut names: HashSet<String> = scene.targets.iter().map(|target| target.name.clone()).collect();
     for (ship, own) in scene.ships.iter().zip(&mut extended.ships).filter(|(ship, _)| ship.echo) {
         let found = fleet::hull(ship).and_then(|hull| {
             let panels = fleet::panels(ship, &hull)?;
@@ -100,7 +102,7 @@ pub fn with_scatterers(scene: &Scene) -> Result<Cow<'_, Scene>, FleetErrors> {
             if together > mesh::MOST_OF_SCENE {
                 return Err(MeshError::Together { own: panels.len(), together }.into());
             }
-            Ok((targets(ship, &hull, &scene.frame, &extended.targets)?, panels, fleet::form(&hull)))
+            Ok((targets(ship, &hull, &scene.frame, &mut names)?, panels, fleet::form(&hull)))
         });
         match found {
             Ok((found, panels, of_hull)) => {
@@ -117,7 +119,13 @@ pub fn with_scatterers(scene: &Scene) -> Result<Cow<'_, Scene>, FleetErrors> {
     if faults.is_empty() { Ok(Cow::Owned(extended)) } else { Err(FleetErrors(faults)) }
 }
 
-fn targets(ship: &Ship, hull: &Hull, frame: &SceneFrame, known: &[Target]) -> Result<Vec<Target>, ShipError> {
+/// The scatterers of a ship; their names go to those of all targets.
+fn targets(
+    ship: &Ship,
+    hull: &Hull,
+    frame: &SceneFrame,
+    names: &mut HashSet<String>,
+) -> Result<Vec<Target>, ShipError> {
     let Ship { position_m, heading_rad, speed_mps, .. } = *ship;
     let at = Scatters { position_m, heading_rad, speed_mps };
     let (sin, cos) = heading_rad.sin_cos();
@@ -126,7 +134,7 @@ fn targets(ship: &Ship, hull: &Hull, frame: &SceneFrame, known: &[Target]) -> Re
         // Names of targets become groups of recordings; that of a scatterer is any text.
         let plain = |c: char| if c.is_ascii_alphanumeric() || "_-.".contains(c) { c } else { '-' };
         let name = format!("{}.{}", ship.name, scatterer.name.chars().map(plain).collect::<String>());
-        if known.iter().chain(&found).any(|target| target.name == name) {
+        if !names.insert(name.clone()) {
             return Err(ShipError::NameTaken { name });
         }
         let velocity = Vector::new(speed_mps * cos, speed_mps * sin, 0.0);

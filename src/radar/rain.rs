@@ -1,20 +1,25 @@
 //! Rain: specific attenuation, Recommendation ITU-R P.838-3 (2005), and cross section per volume.
 //!
 //! `gamma = k R^alpha` dB/km one way, `R` the rain rate (mm/h); `k_H`, `alpha_H`, `k_V` and `alpha_V` are
-//! sums of Gaussians of `log10 f` (1 to 1000 GHz, the Recommendation's equations 2 and 3). For circular
-//! polarisation, at any elevation (equations 4 and 5):
+//! sums of Gaussians of `log10 f` (1 to 1000 GHz, the Recommendation's equations 2 and 3). At an elevation
+//! `theta` and a tilt `tau` of the polarisation (equations 4 and 5):
 //!
-//! `k = (k_H + k_V)/2`, `alpha = (k_H alpha_H + k_V alpha_V)/(2 k)`.
+//! `k = (k_H + k_V + (k_H - k_V) cos^2(theta) cos(2 tau))/2` ,
+//! `alpha = (k_H alpha_H + k_V alpha_V + (k_H alpha_H - k_V alpha_V) cos^2(theta) cos(2 tau))/(2 k)` ,
+//!
+//! `tau = 45` degrees for circular polarisation, which takes the same at any elevation.
 //!
 //! ```
-//! use nereus::radar::rain::attenuation_db_per_km;
-//! // X band, heavy rain: 0.01173 x 25^1.2372.
-//! assert!((attenuation_db_per_km(10e9, 25.0) - 0.629).abs() < 1e-3);
-//! assert_eq!(attenuation_db_per_km(10e9, 0.0), 0.0);
+//! use nereus::radar::rain::Attenuation;
+//! // X band, heavy rain.
+//! let Attenuation { h, v, circular } = Attenuation::new(9.4e9, 25.0);
+//! assert!((h - 0.589).abs() < 5e-4 && (v - 0.479).abs() < 5e-4 && (circular - 0.533).abs() < 5e-4);
+//! assert_eq!(Attenuation::new(9.4e9, 0.0), Attenuation::default());
 //! ```
 
 use std::f64::consts::PI;
 
+use crate::scene::radar::Polarisation;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Carriers for which the Recommendation holds, Hz.
@@ -120,14 +125,41 @@ fn coefficients(carrier_hz: f64) -> [[f64; 2]; 2] {
     [0, 1].map(|of| [10f64.powf(LOG_K[of].at(log_ghz)), ALPHA[of].at(log_ghz)])
 }
 
-/// Attenuation one way of circular polarisation, dB/km, in rain of so many mm/h.
-pub fn attenuation_db_per_km(carrier_hz: f64, rain_mmph: f64) -> f64 {
-    if rain_mmph <= 0.0 {
-        return 0.0;
+/// Attenuation one way on a level path, dB/km, by polarisation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Attenuation {
+    /// Horizontal.
+    pub h: f64,
+    /// Vertical.
+    pub v: f64,
+    /// Right-hand or left-hand circular.
+    pub circular: f64,
+}
+
+impl Attenuation {
+    /// In rain of so many mm/h.
+    pub fn new(carrier_hz: f64, rain_mmph: f64) -> Self {
+        if rain_mmph <= 0.0 {
+            return Self::default();
+        }
+        let [[k_h, alpha_h], [k_v, alpha_v]] = coefficients(carrier_hz);
+        let k = 0.5 * (k_h + k_v);
+        Self {
+            h: k_h * rain_mmph.powf(alpha_h),
+            v: k_v * rain_mmph.powf(alpha_v),
+            circular: k * rain_mmph.powf((k_h * alpha_h + k_v * alpha_v) / (2.0 * k)),
+        }
     }
-    let [[k_h, alpha_h], [k_v, alpha_v]] = coefficients(carrier_hz);
-    let k = 0.5 * (k_h + k_v);
-    k * rain_mmph.powf((k_h * alpha_h + k_v * alpha_v) / (2.0 * k))
+
+    /// Of a port on a path of so great a sine of elevation, to first order in what H and V differ by.
+    pub fn of(&self, port: Polarisation, rise: f64) -> f64 {
+        let level = match port {
+            Polarisation::H => self.h,
+            Polarisation::V => self.v,
+            Polarisation::R | Polarisation::L => self.circular,
+        };
+        self.circular + (level - self.circular) * (1.0 - rise * rise)
+    }
 }
 
 #[cfg(test)]
@@ -153,12 +185,11 @@ mod tests {
     }
 
     #[test]
-    fn it_lies_between_the_two_polarisations() {
+    fn circular_polarisation_lies_between_the_others() {
         for carrier_hz in [3e9, 9.4e9, 35e9] {
             for rain_mmph in [0.5f64, 5.0, 50.0] {
-                let of = coefficients(carrier_hz).map(|[k, alpha]| k * rain_mmph.powf(alpha));
-                let found = attenuation_db_per_km(carrier_hz, rain_mmph);
-                assert!(found > of[0].min(of[1]) && found < of[0].max(of[1]), "{carrier_hz} {rain_mmph}");
+                let Attenuation { h, v, circular } = Attenuation::new(carrier_hz, rain_mmph);
+                assert!(circular > h.min(v) && circular < h.max(v), "{carrier_hz} {rain_mmph}");
             }
         }
     }

@@ -23,6 +23,14 @@
 //! `R` of Fresnel on level water. X band: -0.5 dB at 30 degrees of incidence, -5.2 dB at 3 degrees grazing.
 //! Nothing is fitted to that figure. The level of HH is left as published.
 //!
+//! **Out of the plane of incidence** the facet that mirrors the wave to the receiver turns the polarisation,
+//! by the matrix `rho` of a perfect mirror ([`Bend::turn`], as in [`kirchhoff`](super::kirchhoff)):
+//!
+//! `sigma_pq = sigma rho_pq^2 p_p(th_s) p_q(th_i)` , `p_h = 1` , `p_v = p` , `sum_p rho_pq^2 = 1` ,
+//!
+//! `sigma` the `sigma_hh` above. In backscatter `rho` is diagonal, of ones. At 45 degrees there and back and
+//! 90 degrees of azimuth between, it leaves 1/9 co-polarised.
+//!
 //! **HV** (Kudryavtsev, Fan, Zhang, Mouche and Chapron 2019): waves on the breaker scatter by Bragg, at a
 //! saturation of `B = 0.01`, and its slopes across the look turn the polarisation:
 //!
@@ -32,7 +40,11 @@
 //! angle of the bisector, and at least [`LEAST_CROSS_RAD`], below which the expression was not meant.
 //!
 //! Limits: made for backscatter between nadir and some 60 degrees in C to Ku band; near grazing the part that
-//! does not depend on angle decides, and shadows are not in it. Bistatic values are those of the bisector.
+//! does not depend on angle decides, and shadows are not in it. **Bistatic values are extrapolated**; no
+//! measurement stands behind them: `z` from backscatter to the bisector (geometrical optics); the front face,
+//! whose level is held for all directions and whose polarisation is turned as that of specular points; the
+//! water before it, as a product of both ways; the cross-polarised Bragg waves, at half the angle of the
+//! bisector and in the same amount out of the plane.
 
 use std::f64::consts::{PI, TAU};
 
@@ -40,7 +52,8 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use super::fresnel::{quotient, reflection, refracted};
-use super::tilt::Path;
+use super::kirchhoff::Bend;
+use super::tilt::{Path, ScatterMatrix};
 use crate::sea::breaking::{DIRECTIONS, coverage};
 
 /// Slope variance of a breaker's surface, and the vertical size of its front face over its horizontal one.
@@ -53,19 +66,37 @@ const SATURATION: f64 = 0.01;
 /// Incidence below which the cross-polarised cross section is held, rad.
 pub const LEAST_CROSS_RAD: f64 = TAU / 18.0;
 
-/// Cross sections of a breaker per area that breaks.
+/// What a breaker returns per area that breaks; `[received][transmitted]`, v before h.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Returned {
-    /// H received, H transmitted.
-    pub hh: f64,
-    /// V received, V transmitted.
-    pub vv: f64,
-    /// Either cross-polarised channel.
+    /// Cross sections of the mirror and the front face, before the polarisation is turned.
+    pub like: [[f64; 2]; 2],
+    /// How the amplitudes are turned.
+    pub turn: [[f64; 2]; 2],
+    /// Cross section of the Bragg waves in either cross-polarised channel.
     pub cross: f64,
 }
 
-/// Cross sections over a path, of a breaker that runs along the horizontal unit vector `travel`, over water
-/// of a permittivity.
+impl Returned {
+    /// Cross sections of the channels.
+    pub fn sigma(&self) -> [[f64; 2]; 2] {
+        let like = |p: usize, q: usize| self.like[p][q] * (self.turn[p][q] * self.turn[p][q]);
+        [[like(0, 0), like(0, 1) + self.cross], [like(1, 0) + self.cross, like(1, 1)]]
+    }
+
+    /// Scattering matrix of so large an area, m^2, sqrt(m^2): of a phase of the mirror and one of the Bragg
+    /// waves, rad.
+    pub fn matrix(&self, area_m2: f64, phases_rad: [f64; 2]) -> ScatterMatrix {
+        let ([like, cross], size) = (phases_rad.map(Complex64::cis), area_m2.sqrt());
+        let of = |p: usize, q: usize| self.like[p][q].sqrt() * size * self.turn[p][q] * like;
+        // In these bases h turns round with the wave, v does not.
+        let cross = self.cross.sqrt() * cross * size;
+        [[of(0, 0), of(0, 1) - cross], [of(1, 0) + cross, of(1, 1)]]
+    }
+}
+
+/// What a breaker returns that runs along the horizontal unit vector `travel`, over a path and over water of
+/// a permittivity.
 ///
 /// ```
 /// use glam::DVec3;
@@ -73,24 +104,31 @@ pub struct Returned {
 /// use num_complex::Complex64;
 /// let grazing = DVec3::new(87f64.to_radians().sin(), 0.0, -87f64.to_radians().cos());
 /// let back = breaker(Complex64::new(55.0, -37.5), &Path::new(grazing, -grazing), -DVec3::X);
-/// assert!((10.0 * back.hh.log10() + 15.8).abs() < 0.05);
-/// assert!((10.0 * (back.hh / back.vv).log10() - 5.2).abs() < 0.1);
+/// let [[vv, _], [_, hh]] = back.sigma();
+/// assert!((10.0 * hh.log10() + 15.8).abs() < 0.05);
+/// assert!((10.0 * (hh / vv).log10() - 5.2).abs() < 0.1);
 /// ```
 pub fn breaker(permittivity: Complex64, path: &Path, travel: DVec3) -> Returned {
-    let q = path.ks - path.ki;
-    let (length, cos_i, cos_s) = (q.length(), -path.ki.z, path.ks.z);
+    let (cos_i, cos_s) = (-path.ki.z, path.ks.z);
     // From below, or straight through: nothing.
-    if !(cos_i > 0.0 && cos_s > 0.0 && length > 1e-6) {
+    let Some(bend) = Bend::new(path).filter(|_| cos_i > 0.0 && cos_s > 0.0) else {
         return Returned::default();
-    }
+    };
+    let Bend { q, q_norm: length } = bend;
     let off = DVec3::new(-q.x / q.z + TILT * travel.x, -q.y / q.z + TILT * travel.y, 0.0);
     let steep = (-off.length_squared() / SLOPE_VARIANCE).exp();
     // Where the exponential is nothing the secant may be infinite.
     let specular = if steep > 0.0 { (length / q.z).powi(4) * steep / SLOPE_VARIANCE } else { 0.0 };
     let hh = specular + FRONT_FACE / SLOPE_VARIANCE;
-    let ratio = (v_over_h(permittivity, cos_i) * v_over_h(permittivity, cos_s)).sqrt();
+    let [over_i, over_s] = [cos_i, cos_s].map(|cos| v_over_h(permittivity, cos));
+    let ratio = (over_i * over_s).sqrt();
     let bisector = (q.z / length).clamp(0.0, LEAST_CROSS_RAD.cos());
-    Returned { hh, vv: hh * ratio, cross: cross(permittivity, bisector) }
+    Returned {
+        like: [[hh * ratio, hh * over_s.sqrt()], [hh * over_i.sqrt(), hh]],
+        // Straight back it is exact.
+        turn: if path.ks == -path.ki { [[1.0, 0.0], [0.0, -1.0]] } else { bend.turn(path) },
+        cross: cross(permittivity, bisector),
+    }
 }
 
 /// What breaking waves add to the cross section of a sea per area, `[received][transmitted]`, v before h: the
@@ -100,9 +138,9 @@ pub fn sigma0(permittivity: Complex64, path: &Path, downwind_rad: f64, u10_mps: 
     let mut sigma0 = [[0.0; 2]; 2];
     for (off_rad, weight) in DIRECTIONS {
         let (sin, cos) = (downwind_rad + off_rad).sin_cos();
-        let Returned { hh, vv, cross } = breaker(permittivity, path, DVec3::new(cos, sin, 0.0));
+        let returned = breaker(permittivity, path, DVec3::new(cos, sin, 0.0));
         let share = weight * coverage(u10_mps);
-        for (sum, own) in sigma0.as_flattened_mut().iter_mut().zip([vv, cross, cross, hh]) {
+        for (sum, own) in sigma0.as_flattened_mut().iter_mut().zip(returned.sigma().as_flattened()) {
             *sum += share * own;
         }
     }

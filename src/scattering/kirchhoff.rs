@@ -55,17 +55,34 @@ impl Bend {
         (q_norm >= LEAST_BEND).then_some(Self { q, q_norm })
     }
 
-    /// `rho_pq`, order (v, h), of the same path.
+    /// Components of the polarisation vectors (v, h) of the same path along `t` and across it, along `w`:
+    /// incident, scattered.
     #[inline]
-    pub fn reflection(&self, eps: Complex64, path: &Path) -> ScatterMatrix {
+    pub fn components(&self, path: &Path) -> [[[f64; 2]; 2]; 2] {
         let across = (self.q / self.q_norm).cross(path.ki);
         let sine = across.length();
         let t = if sine < 1e-12 { path.incident.h } else { across / sine };
-        let (w_i, w_s) = (t.cross(path.ki), t.cross(path.ks));
+        [(path.incident, path.ki), (path.scattered, path.ks)].map(|(basis, k)| {
+            let w = t.cross(k);
+            [basis.v, basis.h].map(|p| [p.dot(t), p.dot(w)])
+        })
+    }
+
+    /// `rho_pq`, order (v, h), of the same path.
+    #[inline]
+    pub fn reflection(&self, eps: Complex64, path: &Path) -> ScatterMatrix {
         let r = reflection(eps, (0.5 * self.q_norm).min(1.0));
-        let incident = [path.incident.v, path.incident.h].map(|q| (q.dot(t), q.dot(w_i)));
-        let scattered = [path.scattered.v, path.scattered.h].map(|p| (r.h * p.dot(t), r.v * p.dot(w_s)));
-        scattered.map(|(p_t, p_w)| incident.map(|(q_t, q_w)| p_t * q_t + p_w * q_w))
+        let [incident, scattered] = self.components(path);
+        let scattered = scattered.map(|[p_t, p_w]| (r.h * p_t, r.v * p_w));
+        scattered.map(|(p_t, p_w)| incident.map(|[q_t, q_w]| p_t * q_t + p_w * q_w))
+    }
+
+    /// The same of a perfect mirror, but for the sign: how it turns the polarisation. Of unit columns and
+    /// rows.
+    #[inline]
+    pub fn turn(&self, path: &Path) -> [[f64; 2]; 2] {
+        let [incident, scattered] = self.components(path);
+        scattered.map(|[p_t, p_w]| incident.map(|[q_t, q_w]| p_t * q_t - p_w * q_w))
     }
 
     /// Slopes relative to the facet at which it mirrors the wave to the receiver, and `|q|/q_n`. `None` when

@@ -40,6 +40,19 @@ fn breaking_waves_keep_the_error() {
 }
 
 #[test]
+fn breaking_waves_out_of_plane_keep_the_error() {
+    let path = "tests/data/cases/breaking-bistatic-90.toml";
+    let settings = [
+        ("scene.patch_size_m", "[32, 32]"),
+        ("scene.duration_s", "0.1"),
+        ("radar.prf_hz", "200.0"),
+        ("sea.wind_mps", "18.0"),
+        ("fidelity.error_db", "-60.0"),
+    ];
+    keeps_the_error(path, &scene(path, &settings));
+}
+
+#[test]
 fn a_part_of_a_run_with_breaking_waves_is_bit_identical() {
     for (path, settings) in &SCENES[..] {
         // Breakers are found half a second at a time: at pulse 111.

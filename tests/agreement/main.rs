@@ -22,6 +22,7 @@ mod modulation;
 mod near;
 mod planned;
 mod radar_equation;
+mod random_plans;
 mod random_scene;
 mod random_scenes;
 mod rain;

@@ -13,6 +13,10 @@ use rand_chacha::ChaCha8Rng;
 
 const LIGHT_MPS: f64 = 299_792_458.0;
 
+/// Legal winds of the sea, m/s, and sides of facets, m.
+const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
+const LEGAL_FACET_M: [f64; 2] = [1e-4, 1e5];
+
 /// A scenario file.
 pub struct RandomScene {
     /// Which kind of scene, for the list.
@@ -151,17 +155,37 @@ struct Signal {
     samples: u64,
 }
 
+/// What is drawn from the whole legal range instead of what fits the platform.
+#[derive(Clone, Copy)]
+struct Extremes {
+    wind_mps: Option<f64>,
+    facet_m: Option<f64>,
+}
+
+impl Extremes {
+    /// Of a stream of its own: all else of a seed stays.
+    fn drawn(seed: u64) -> Self {
+        let mut draw = Draw(ChaCha8Rng::seed_from_u64(!seed));
+        let mut some = |share: f64, [from, to]: [f64; 2]| {
+            draw.chance(share).then(|| format!("{:.3e}", draw.log(from, to)).parse().unwrap())
+        };
+        let (wind_mps, facet_m) = (some(0.25, LEGAL_WIND_MPS), some(0.1, LEGAL_FACET_M));
+        Self { wind_mps: if draw.chance(0.02) { Some(0.0) } else { wind_mps }, facet_m }
+    }
+}
+
 /// The scenario of a seed.
 pub fn random_scene(seed: u64) -> RandomScene {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
-    let geometry = Geometry::drawn(&mut draw);
+    let extremes = Extremes::drawn(seed);
+    let geometry = Geometry::drawn(&mut draw, extremes);
     let signal = Signal::drawn(&mut draw, &geometry);
     let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
     let family = geometry.kind.name;
     let partner = if geometry.bistatic { format!(" and {}", geometry.partner.name) } else { String::new() };
     let mut text = format!("# Random scene {seed}: {family}{partner}.\n");
     scene(&mut draw, &geometry, &mut text);
-    sea(&mut draw, &mut text);
+    sea(&mut draw, extremes, &mut text);
     on_the_sea(&mut draw, &geometry, &mut text);
     radar(&mut draw, &geometry, &signal, &mut text);
     platforms(&mut draw, &geometry, &mut text);
@@ -172,7 +196,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
 }
 
 impl Geometry {
-    fn drawn(draw: &mut Draw) -> Self {
+    fn drawn(draw: &mut Draw, extremes: Extremes) -> Self {
         let kind = &KINDS[(draw.0.next_u64() % KINDS.len() as u64) as usize];
         // Some pairs of unlike platforms: a coast receives a boat, an aircraft a satellite.
         let partner = match kind.name {
@@ -184,7 +208,7 @@ impl Geometry {
         let bistatic = draw.chance(0.45);
         let carrier_hz = draw.one(kind.carriers_hz);
         let facet_m = draw.log(kind.facet_m[0], kind.facet_m[1]);
-        let facet_m = (facet_m * 100.0).round() / 100.0;
+        let facet_m = extremes.facet_m.unwrap_or((facet_m * 100.0).round() / 100.0);
         let facets = [0, 1].map(|_| draw.one(&[8, 12, 16, 16, 20, 24, 24, 32]));
         let size_m = facets.map(|n| f64::from(n) * facet_m);
         let prf_hz = draw.log(kind.prf_hz[0], kind.prf_hz[1]).round();
@@ -429,7 +453,7 @@ fn antennas(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
     }
 }
 
-fn sea(draw: &mut Draw, out: &mut String) {
+fn sea(draw: &mut Draw, extremes: Extremes, out: &mut String) {
     let spectrum = draw.one(&[
         "elfouhaily",
         "elfouhaily",
@@ -440,7 +464,9 @@ fn sea(draw: &mut Draw, out: &mut String) {
     ]);
     let mut line = |text: String| writeln!(out, "{text}").unwrap();
     line("[sea]".to_owned());
-    line(format!("wind_mps = {:?}\nwind_from_deg = {:?}", draw.log(2.0, 18.0), draw.between(0.0, 360.0)));
+    let (wind_mps, from_deg) = (draw.log(2.0, 18.0), draw.between(0.0, 360.0));
+    let wind_mps = extremes.wind_mps.unwrap_or(wind_mps);
+    line(format!("wind_mps = {wind_mps:?}\nwind_from_deg = {from_deg:?}"));
     line(format!("spectrum = \"{spectrum}\""));
     if spectrum == "jonswap" {
         line(format!("fetch_m = {:?}", draw.log(2e3, 2e5)));

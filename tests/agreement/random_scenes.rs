@@ -32,7 +32,7 @@ const TOO_SAFE_SHARE: f64 = 0.1;
 /// so much, for the coarsest settings of small scenes are finer than many ask.
 const TOO_FINE_SHARE: f64 = 0.63;
 
-fn variable(name: &str, default: u64) -> u64 {
+pub(super) fn variable(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().unwrap_or_else(|_| panic!("{name}: a number")))
 }
 

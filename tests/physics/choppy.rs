@@ -334,3 +334,32 @@ fn facets_return_by_their_area() {
     println!("areas from {least:.3}, {mean:.6} in the mean, powers off them by {worst:.1e}");
     assert!(least < 0.95 && worst < 0.01 && (mean - 1.0).abs() < 1e-3, "{least} {worst} {mean}");
 }
+
+/// Waves of light wind on coarse facets are lower than an atom, down to where their squares are no numbers.
+#[test]
+fn all_winds_over_all_facets_have_finite_crests() {
+    let steps = |from: f64, to: f64, count: u32| {
+        (0..count).map(move |n| from * (to / from).powf(f64::from(n) / f64::from(count - 1)))
+    };
+    let legal = steps(0.3, 40.0, 40).flat_map(|wind_mps| steps(1e-4, 1e5, 46).map(move |f| (wind_mps, f)));
+    let (mut least, mut flat) = (f64::INFINITY, 0);
+    for (wind_mps, facet_m) in legal.chain([(0.3, 1.0), (1.5, 30.0), (0.3, 1.2), (1.5, 26.0)]) {
+        let wind = Wind::from_speed(wind_mps, 10.0, WindProfile::Cardone, 0.4).unwrap();
+        let kind = SpectrumKind::Elfouhaily { development: Development::default() };
+        let spectrum = of_kind(&kind, &wind).unwrap();
+        let grid = Grid::new(16, 16, facet_m).unwrap();
+        let surface =
+            Surface::synthesise(grid, spectrum.as_ref(), Dispersion::default(), 1, Averaging::Points)
+                .unwrap();
+        let found = Choppy::of(&surface);
+        let numbers = [found.level_radpm, found.offset_m, found.variance_m2, found.skewness()];
+        assert!(numbers.iter().all(|x| x.is_finite()), "{wind_mps} m/s, {facet_m} m: {found:?}");
+        if found.variance_m2 > 0.0 {
+            least = least.min(found.variance_m2);
+        } else {
+            flat += 1;
+        }
+    }
+    println!("{flat} are flat; the lowest of the others has {least:e} m^2");
+    assert!(flat > 0 && least < 1e-20, "{flat} {least}");
+}

@@ -6,6 +6,7 @@ use glam::DQuat;
 use nereus::frames::{Point, Rotation, Vector};
 use nereus::motion::PlatformTracks;
 use nereus::motion::track::Track;
+use nereus::radar::rain::Attenuation;
 use nereus::scene::radar::*;
 use nereus::scene::{Scene, Target};
 use num_complex::Complex64;
@@ -108,6 +109,71 @@ fn atmosphere_counts_both_legs() {
     let hazy = amplitudes(&scene, &tracks);
     let db = 20.0 * (hazy[0] / clear[0]).norm().log10();
     assert!((db + 0.4 * 6.3).abs() < 1e-11, "{db}");
+}
+
+/// ITU-R P.838-3 at 9.4 GHz and 25 mm/h, level: H 0.589, V 0.479, circular 0.533 dB/km; each end of a channel
+/// has that of its port over its leg.
+#[test]
+fn rain_attenuates_ports_by_their_own_coefficients() {
+    use Polarisation::{H, L, R, V};
+    let mut scene = scene();
+    scene.radar.carrier_hz = 9.4e9;
+    scene.radar.direct_path = true;
+    scene.targets[0].scattering = matrix();
+    let ports = [(H, H), (H, V), (V, H), (V, V), (R, L), (R, R)];
+    scene.radar.channels = channels(&ports);
+    let db = |at: [f64; 3], to: [f64; 3]| {
+        let mut scene = scene.clone();
+        let tracks = [straight(&scene, at, [0.0; 3]), straight(&scene, to, [0.0; 3])];
+        let [clear, wet] = [0.0, 25.0].map(|rain_mmph| {
+            scene.radar.rain_mmph = rain_mmph;
+            pulse(&scene, &tracks, 0).0.amplitude
+        });
+        let of = |path: usize| -> Vec<f64> {
+            clear.iter().zip(&wet).map(|(a, b)| -20.0 * (b[path] / a[path]).norm().log10()).collect()
+        };
+        [of(0), of(1)]
+    };
+    let published = |port| match port {
+        H => 0.589,
+        V => 0.479,
+        R | L => 0.533,
+    };
+    // Level, 8 km to the target and 3 km back; 11 km straight.
+    let [target, direct] = db([-8000.0, 0.0, 0.0], [3000.0, 0.0, 0.0]);
+    for ((rx, tx), (target, direct)) in ports.into_iter().zip(target.into_iter().zip(direct)) {
+        let expected = published(tx) * 8.0 + published(rx) * 3.0;
+        // The figures have three digits.
+        assert!((target - expected).abs() < 5e-4 * 11.0, "{rx:?}{tx:?}: {target} {expected}");
+        if rx == tx && rx != R {
+            assert!((direct - published(tx) * 11.0).abs() < 5e-4 * 11.0, "{rx:?}{tx:?}: {direct}");
+        }
+    }
+    // From above H is V, and rain takes what it takes of circular polarisation.
+    let [target, _] = db([0.0, 1.0, 9000.0], [1.0, 0.0, 9000.0]);
+    assert!(target.iter().all(|db| (db - 0.533 * 18.0).abs() < 5e-4 * 18.0), "{target:?}");
+    // Halfway up: the Recommendation's equations 4 and 5 at 45 degrees, by its table at 10 GHz.
+    scene.radar.carrier_hz = 10e9;
+    let [(k_h, a_h), (k_v, a_v)] = [(0.01217f64, 1.2571), (0.01129, 1.2156)];
+    let exact = [0.5, -0.5].map(|tilt| {
+        let k = 0.5 * (k_h + k_v + (k_h - k_v) * tilt);
+        k * 25f64.powf((k_h * a_h + k_v * a_v + (k_h * a_h - k_v * a_v) * tilt) / (2.0 * k))
+    });
+    let at = Attenuation::new(10e9, 25.0);
+    for (port, exact) in [H, V].into_iter().zip(exact) {
+        let found = at.of(port, FRAC_PI_4.sin());
+        assert!((found / exact - 1.0).abs() < 4e-3, "{port:?}: {found} {exact}");
+    }
+}
+
+/// Rain that leaves nothing leaves zeros, not what is no number.
+#[test]
+fn rain_without_end_leaves_nothing() {
+    let mut scene = scene();
+    (scene.radar.carrier_hz, scene.radar.rain_mmph) = (1e11, 300.0);
+    let tracks = [7e5, 6e5].map(|height_m| straight(&scene, [-4000.0, 0.0, height_m], [0.0; 3]));
+    let (paths, _) = pulse(&scene, &tracks, 0);
+    assert!(paths.amplitude.iter().flatten().all(|a| a.norm() == 0.0));
 }
 
 #[test]

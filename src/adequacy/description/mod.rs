@@ -13,7 +13,7 @@ use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::frames::Earth;
 use crate::radar::filter::ReceiveFilter;
-use crate::radar::rain::{attenuation_db_per_km, fall_mps, volume_reflectivity_per_m};
+use crate::radar::rain::{Attenuation, fall_mps, volume_reflectivity_per_m};
 use crate::radar::receiver::thermal_noise_w;
 use crate::scene::Scene;
 use crate::scene::radar::{Aim, RainClutter};
@@ -59,9 +59,10 @@ pub fn models(run: &Run) -> Models {
     ));
     horizon(&run.scene, &mut with, &mut without);
     if radar.rain_mmph > 0.0 {
-        let takes = attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph);
+        let Attenuation { h, v, circular } = Attenuation::new(radar.carrier_hz, radar.rain_mmph);
         let how = format!(
-            "{} mm/h along the whole of every path: {takes:.3} dB/km one way (ITU-R P.838-3, circular polarisation)",
+            "{} mm/h along the whole of every path: H {h:.3}, V {v:.3}, circular {circular:.3} dB/km one way on \
+             level paths (ITU-R P.838-3)",
             radar.rain_mmph
         );
         with.push(described("rain", how));

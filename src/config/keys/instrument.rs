@@ -16,7 +16,7 @@ tables! {
         CHANNEL "channel", Sections(&channel::TABLE), Means("channels is given"), "Channels, row by row.";
         LOSSES_DB "losses_db", number("dB", 0.0, 300.0), default(0.0), "System losses of both ends, before the receiver's noise; a gain belongs to the antennas.";
         ATMOSPHERE_DB_PER_KM "atmosphere_db_per_km", number("dB/km", 0.0, 1000.0), default(0.0), "Atmospheric attenuation, one way.";
-        RAIN_MMPH "rain_mmph", number("mm/h", 0.0, 300.0), default(0.0), "Rain along the whole of every path: attenuation by ITU-R P.838-3 (circular polarisation, for all ports) in addition to atmosphere_db_per_km. Carriers from 1 GHz.";
+        RAIN_MMPH "rain_mmph", number("mm/h", 0.0, 300.0), default(0.0), "Rain along the whole of every path: attenuation by ITU-R P.838-3 (H, V or circular, by the port of each leg) in addition to atmosphere_db_per_km. Carriers from 1 GHz.";
         RAIN_CLUTTER "rain_clutter", Kind::Flag, Flag(false), "Whether the drops return an echo: Rayleigh scattering of the reflectivity 200 R^1.6 (Marshall and Palmer), up to 20 GHz, in the main lobes of both antennas, from the window's own emission. Needs rain_mmph.";
         RAIN_TOP_M "rain_top_m", above("m", 0.0, 20e3), default(3000.0), "rain_clutter: height of the rain's top above the sea. Attenuation does not know it.";
         RAIN_SPREAD_MPS "rain_spread_mps", number("m/s", 0.0, 20.0), default(1.0), "rain_clutter: rms velocity of the drops, each component, about the wind at 10 m and their mean fall: turbulence, shear, unequal falls.";

@@ -52,7 +52,7 @@ fn one(
 ) -> Option<Calibration> {
     use keys::calibration as k;
     names.take(&section, &k::NAME, &[]);
-    let name = names.names.last().cloned().flatten();
+    let name = names.last();
     let kind = section.choice(&k::KIND);
     let receiver = receivers.find_among(&section, &k::RECEIVER);
     let power_dbw = section.number(&k::POWER_DBW);

@@ -98,9 +98,24 @@ impl Names {
         self.places.contains_key(name)
     }
 
+    /// The name that was just taken.
+    fn last(&self) -> Option<String> {
+        self.names.last().cloned().flatten()
+    }
+
     /// Takes the name of a new entry, faulting duplicates (also against the antennas of `others`).
     fn take(&mut self, section: &Section<'_>, key: &'static Key, others: &[&Names]) {
         let name = section.name(key);
+        self.enter(section, key, name, others);
+    }
+
+    /// The same where the name may be left out: the default one is entered like any other.
+    fn take_or(&mut self, section: &Section<'_>, key: &'static Key, default: Option<String>) {
+        let written = section.name(key);
+        self.enter(section, key, if section.has(key) { written } else { default }, &[]);
+    }
+
+    fn enter(&mut self, section: &Section<'_>, key: &'static Key, name: Option<String>, others: &[&Names]) {
         if let Some(name) = &name
             && (self.has(name) || others.iter().any(|names| names.has(name)))
         {

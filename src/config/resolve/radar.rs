@@ -148,11 +148,6 @@ fn rain_clutter(
     Some(Some(RainClutter { top_m: top_m?, spread_mps: spread_mps? }))
 }
 
-/// The name that was just taken.
-fn last(names: &Names) -> Option<String> {
-    names.names.last().cloned().flatten()
-}
-
 fn transmitter(
     section: Section<'_>,
     names: &Names,
@@ -161,11 +156,11 @@ fn transmitter(
     clocks: &mut Given,
 ) -> Option<Transmitter> {
     use keys::transmitter as k;
-    clocks.take(&section, &k::CLOCK, last(names), false);
+    clocks.take(&section, &k::CLOCK, names.last(), false);
     let power_w = section.number(&k::POWER_W);
     let antenna = antenna::mount(&section, &mount_keys!(transmitter), ground, platforms);
     section.finish();
-    Some(Transmitter { name: last(names)?, power_w: power_w?, antenna: antenna? })
+    Some(Transmitter { name: names.last()?, power_w: power_w?, antenna: antenna? })
 }
 
 fn receiver(
@@ -176,10 +171,10 @@ fn receiver(
     clocks: &mut Given,
 ) -> Option<Receiver> {
     use keys::receiver as k;
-    clocks.take(&section, &k::CLOCK, last(names), true);
+    clocks.take(&section, &k::CLOCK, names.last(), true);
     let antenna = antenna::mount(&section, &mount_keys!(receiver), ground, platforms);
     section.finish();
-    Some(Receiver { name: last(names)?, antenna: antenna? })
+    Some(Receiver { name: names.last()?, antenna: antenna? })
 }
 
 fn emissions(section: &Section<'_>) -> Option<PulseTimes> {
@@ -314,14 +309,12 @@ fn channels(section: &Section<'_>, antennas: &Antennas<'_>) -> Option<Vec<Channe
         return rows.into_iter().collect();
     }
     let pairs = pairs?;
-    let mut channels = Vec::new();
+    let (mut channels, mut names) = (Vec::new(), Names::new("channel"));
     for transmitter in 0..antennas.transmitters.names.len() {
         for receiver in 0..antennas.receivers.names.len() {
             for &[rx, tx] in &pairs {
                 let name = antennas.channel_name(rx, tx, transmitter, receiver);
-                if channels.iter().any(|channel: &Channel| channel.name == name) {
-                    section.fault(&CHANNELS, Problem::Duplicate { name: name.clone(), what: "channel" });
-                }
+                names.enter(section, &CHANNELS, Some(name.clone()), &[]);
                 channels.push(Channel { name, transmitter, receiver, tx, rx });
                 if channels.len() > 4096 {
                     let count = channels.len() as u64;
@@ -339,27 +332,16 @@ fn channel(section: Section<'_>, antennas: &Antennas<'_>, names: &mut Names) -> 
     let polarisations = section.polarisations(&POLARISATION);
     let transmitter = antennas.transmitters.find_among(&section, &TRANSMITTER);
     let receiver = antennas.receivers.find_among(&section, &RECEIVER);
-    let written = section.has(&NAME);
-    let name = if written {
-        names.take(&section, &NAME, &[]);
-        last(names)
-    } else {
-        section.name(&NAME);
-        let name = match (polarisations, transmitter, receiver) {
-            (Some([rx, tx]), Some(transmitter), Some(receiver)) => {
-                Some(antennas.channel_name(rx, tx, transmitter, receiver))
-            }
-            _ => None,
-        };
-        if let Some(name) = name.as_ref().filter(|name| names.names.iter().flatten().any(|n| n == *name)) {
-            section.fault(&NAME, Problem::Duplicate { name: name.clone(), what: "channel" });
+    let default = match (polarisations, transmitter, receiver) {
+        (Some([rx, tx]), Some(transmitter), Some(receiver)) => {
+            Some(antennas.channel_name(rx, tx, transmitter, receiver))
         }
-        names.names.push(name.clone());
-        name
+        _ => None,
     };
+    names.take_or(&section, &NAME, default);
     section.finish();
     let [rx, tx] = polarisations?;
-    Some(Channel { name: name?, transmitter: transmitter?, receiver: receiver?, tx, rx })
+    Some(Channel { name: names.last()?, transmitter: transmitter?, receiver: receiver?, tx, rx })
 }
 
 fn tx_polarisation(section: &Section<'_>, channels: Option<&[Channel]>) -> Option<TxPolarisation> {

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::ais;
 use super::place;
 use super::ship_mesh;
-use super::target::name;
 use super::turbulent::turbulent;
 use super::{Ground, Names};
 use crate::config::error::Problem;
@@ -25,8 +24,8 @@ pub(super) fn ships(root: &Section<'_>, ground: &Ground, start: Option<TimeTag>)
     let mut names = Names::new("ship");
     let mut ships = Vec::new();
     for (index, section) in root.sections(&keys::root::SHIP).into_iter().enumerate() {
-        name(&section, &keys::ship::NAME, &format!("ship-{index}"), &mut names);
-        ships.push(ship(section, names.names.last().cloned().flatten(), ground, bragg));
+        names.take_or(&section, &keys::ship::NAME, Some(format!("ship-{index}")));
+        ships.push(ship(section, names.last(), ground, bragg));
     }
     for section in root.sections(&keys::root::AIS) {
         ships.extend(ais::ships(section, ground, start, bragg, &mut names));

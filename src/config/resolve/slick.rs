@@ -1,7 +1,6 @@
 //! Films on the water.
 
 use super::Names;
-use super::target::name;
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::Section;
@@ -17,8 +16,8 @@ pub(super) fn slicks(
     let mut names = Names::new("slick");
     let mut slicks = Vec::new();
     for (index, section) in root.sections(&keys::root::SLICK).into_iter().enumerate() {
-        name(&section, &keys::slick::NAME, &format!("slick-{index}"), &mut names);
-        let slick = slick(section, names.names.last().cloned().flatten(), patch);
+        names.take_or(&section, &keys::slick::NAME, Some(format!("slick-{index}")));
+        let slick = slick(section, names.last(), patch);
         if let (Some(slick), Some(patch), Some(PatchPlace::Fixed)) = (&slick, patch, place)
             && let Some(warning) = beyond(slick, patch)
         {

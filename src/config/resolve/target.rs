@@ -19,13 +19,8 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
     let mut sound = true;
     let choppy = root.has_word_in(&keys::root::SEA, &keys::sea::WAVES, "choppy");
     for (index, section) in root.sections(&keys::root::TARGET).into_iter().enumerate() {
-        name(&section, &keys::target::NAME, &format!("target-{index}"), &mut names);
-        match target(
-            section,
-            (root.has(&keys::root::SEA), choppy),
-            names.names.last().cloned().flatten(),
-            ground,
-        ) {
+        names.take_or(&section, &keys::target::NAME, Some(format!("target-{index}")));
+        match target(section, (root.has(&keys::root::SEA), choppy), names.last(), ground) {
             Some(target) => targets.push(target),
             None => sound = false,
         }
@@ -33,13 +28,13 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
     let grids = root.sections(&keys::root::TARGET_GRID);
     let mut grid_names = Names::new("target_grid");
     for (index, section) in grids.into_iter().enumerate() {
-        name(&section, &keys::target_grid::NAME, &format!("grid-{index}"), &mut grid_names);
+        grid_names.take_or(&section, &keys::target_grid::NAME, Some(format!("grid-{index}")));
         let first = targets.len();
-        match grid(section, grid_names.names.last().cloned().flatten(), ground, &mut targets) {
+        match grid(section, grid_names.last(), ground, &mut targets) {
             Some(()) => {
                 for target in &targets[first..] {
                     // Only a [[target]] can have taken such a name: grids have names of their own.
-                    if names.names.iter().flatten().any(|name| *name == target.name) {
+                    if names.has(&target.name) {
                         let problem = Problem::Duplicate { name: target.name.clone(), what: "target" };
                         root.fault(&keys::root::TARGET_GRID, problem);
                     }
@@ -60,19 +55,6 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
         sound = false;
     }
     sound.then_some(targets)
-}
-
-/// Takes the written name or the default one.
-pub(super) fn name(section: &Section<'_>, key: &'static Key, default: &str, names: &mut Names) {
-    if section.has(key) {
-        names.take(section, key, &[]);
-        return;
-    }
-    section.name(key);
-    if names.names.iter().flatten().any(|name| name == default) {
-        section.fault(key, Problem::Duplicate { name: default.to_owned(), what: names.what });
-    }
-    names.names.push(Some(default.to_owned()));
 }
 
 fn target(section: Section<'_>, sea: (bool, bool), name: Option<String>, ground: &Ground) -> Option<Target> {

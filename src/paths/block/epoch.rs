@@ -5,14 +5,15 @@
 
 use num_complex::Complex32;
 
-use super::tile::Node;
+use super::tile::{CHANNELS_PER_LAYER, Node};
 use crate::cpu::Task;
 use crate::geometry::lanes::{
     End, GROUP, Held, LANES, Paths, Row, group, group_mut, groups, lane, lanes_for,
 };
-use crate::radar::link::LaneLink;
+
+use crate::radar::link::{LaneLink, OfPorts};
 use crate::radar::polarisation::{Axes, PortBasis, port_shares};
-use crate::scattering::lanes::{Batch, Vectors};
+use crate::scattering::lanes::{Batch, Vectors, exponential};
 use crate::scene::radar::{Polarisation, PolarisationBasis};
 
 /// The transmitter is met at the emission.
@@ -336,12 +337,38 @@ impl Task for Scale<'_> {
     }
 }
 
+/// A scale in the rain between two ports.
+pub(super) struct InRain<'a> {
+    pub rain: OfPorts<f32>,
+    /// Of transmitter and receiver.
+    pub ports: [Polarisation; 2],
+    pub view: &'a View,
+    pub scale: &'a Row,
+    pub count: usize,
+    pub out: &'a mut Row,
+}
+
+impl Task for InRain<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { rain, ports, view, scale, count, out } = self;
+        let (down, up, [tx_m, rx_m]) = (&view.incident[2], &view.scattered[2], &view.leg_m);
+        for i in 0..lanes_for(count).min(LANES) {
+            let neper = rain.neper(ports, [tx_m[i], rx_m[i]], [down[i], up[i]]);
+            // No port has less than the least but for rounding.
+            out[i] = scale[i] * exponential(neper.min(0.0));
+        }
+    }
+}
+
 /// From the matrix to the amplitudes of the channels of a layer of `C` lanes.
 pub(super) struct Combine<'a, const C: usize> {
     /// [`port_products`] of each channel.
     pub ports: &'a [[[Complex32; 2]; 2]],
-    /// What all channels share.
-    pub scale: &'a Row,
+    /// Of each channel.
+    pub scales: [&'a Row; CHANNELS_PER_LAYER],
     pub batch: &'a Batch,
     /// `[facet][lane]`.
     pub out: &'a mut [[f32; C]],
@@ -354,13 +381,13 @@ impl<const C: usize> Task for Combine<'_, C> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ports, scale, batch, out, power } = self;
+        let Self { ports, scales, batch, out, power } = self;
         let (lines, _) = out.as_chunks_mut::<GROUP>();
         for (g, lines) in lines.iter_mut().enumerate().take(lanes_for(batch.count) / GROUP) {
-            let scale = group(scale, g);
             let mut most = group(power, g);
             for channel in 0..C / 2 {
-                let Some(products) = ports.get(channel) else { break };
+                let (Some(products), Some(scale)) = (ports.get(channel), scales.get(channel)) else { break };
+                let scale = group(scale, g);
                 let (mut re, mut im) = ([0.0; GROUP], [0.0; GROUP]);
                 for row in 0..2 {
                     for column in 0..2 {

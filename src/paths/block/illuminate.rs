@@ -13,7 +13,9 @@ use super::travelling::Part;
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, Row, lanes_for};
-use crate::paths::block::epoch::{Combine, LaneBasis, OntoPorts, Scale, Sight, Solve, View, port_products};
+use crate::paths::block::epoch::{
+    Combine, InRain, LaneBasis, OntoPorts, Scale, Sight, Solve, View, port_products,
+};
 use crate::paths::emission::Emission;
 use crate::paths::sea::{LandPlan, SeaPlan};
 use crate::paths::{PairPlan, PathGenerator};
@@ -411,7 +413,7 @@ impl PathGenerator {
             let (rows, weights) = (&areas[..paths.len()], &instant.weights);
             variant.run(Stretched { count, rows, weights, out: &mut scale });
         }
-        self.combine(*variant, plan, batch, &scale, out);
+        self.combine(*variant, plan, (batch, view), &scale, out);
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
             if !self.antennas[antenna].is_real() {
                 self.complex_gain(antenna, axes, change, end, view, out, count);
@@ -420,7 +422,14 @@ impl PathGenerator {
     }
 
     /// What the batch returns between the ports of every channel of a pair, scaled.
-    fn combine(&self, variant: Variant, plan: &PairPlan, batch: &Batch, scale: &Row, out: &mut Epoch) {
+    fn combine(
+        &self,
+        variant: Variant,
+        plan: &PairPlan,
+        (batch, view): (&Batch, &View),
+        scale: &Row,
+        out: &mut Epoch,
+    ) {
         let isolations_db = [
             self.radar.transmitters[plan.pair.transmitter].antenna.cross_pol_isolation_db,
             self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db,
@@ -429,14 +438,22 @@ impl PathGenerator {
         power.fill(0.0);
         for (channels, layer) in plan.channels.chunks(CHANNELS_PER_LAYER).zip(layers) {
             let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
-            for (&(_, tx_port, rx_port), port) in channels.iter().zip(&mut ports) {
+            let mut scales = [scale; CHANNELS_PER_LAYER];
+            let mut in_rain = [[0.0; LANES]; CHANNELS_PER_LAYER];
+            let rows = in_rain.iter_mut().zip(&mut scales);
+            for ((&(_, tx_port, rx_port), port), (row, own)) in channels.iter().zip(&mut ports).zip(rows) {
                 *port = port_products([tx_port, rx_port], isolations_db);
+                if let Some(rain) = plan.link.lanes_in_rain() {
+                    let ports = [tx_port, rx_port];
+                    variant.run(InRain { rain, ports, view, scale, count: batch.count, out: row });
+                    *own = row;
+                }
             }
             let (ports, power) = (&ports[..channels.len()], &mut *power);
             match layer.lanes() {
-                2 => variant.run(Combine::<2> { ports, scale, batch, out: layer.lines_mut(), power }),
-                4 => variant.run(Combine::<4> { ports, scale, batch, out: layer.lines_mut(), power }),
-                _ => variant.run(Combine::<8> { ports, scale, batch, out: layer.lines_mut(), power }),
+                2 => variant.run(Combine::<2> { ports, scales, batch, out: layer.lines_mut(), power }),
+                4 => variant.run(Combine::<4> { ports, scales, batch, out: layer.lines_mut(), power }),
+                _ => variant.run(Combine::<8> { ports, scales, batch, out: layer.lines_mut(), power }),
             }
         }
     }

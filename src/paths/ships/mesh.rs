@@ -232,7 +232,10 @@ impl PathGenerator {
             let coupled = [0, 1].map(|to| [0, 1].map(|from| received[to] * sent[from]));
             column.extend(scales[..batch.count].iter().enumerate().map(|(i, scale)| {
                 let of = |to: usize, from: usize| coupled[to][from] * batch.coupled[to][from][i];
-                scale * (of(0, 0) + of(0, 1) + of(1, 0) + of(1, 1))
+                let rises = batch.directions(i).map(|direction| direction.z);
+                let legs_m = [0, 1].map(|leg| batch.leg_m[leg][i]);
+                let rain = plan.link.in_rain([tx_port, rx_port], legs_m, rises);
+                scale * (of(0, 0) + of(0, 1) + of(1, 0) + of(1, 1)) * rain
             }));
         }
     }

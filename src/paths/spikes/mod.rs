@@ -67,11 +67,7 @@ impl Moves {
         let level = DQuat::from_rotation_arc(earth.up(self.position).raw(), DVec3::Z);
         let directions = tilt::Path::new(level * path.incident, level * path.scattered);
         let returned = scattering::breaker(permittivity, &directions, self.travel);
-        let [like, cross] = breaker.phases_rad.map(Complex64::cis);
-        let size = breaker.area_m2.sqrt();
-        // In these bases h turns round with the wave, v does not.
-        let turned = returned.cross.sqrt() * cross * size;
-        [[returned.vv.sqrt() * size * like, -turned], [turned, -returned.hh.sqrt() * size * like]]
+        returned.matrix(breaker.area_m2, breaker.phases_rad)
     }
 }
 

@@ -11,7 +11,7 @@ use crate::frames::SceneFrame;
 use crate::motion::PlatformNav;
 use crate::pulse::SampleFormat;
 use crate::radar::antenna::Antenna;
-use crate::radar::rain::attenuation_db_per_km;
+use crate::radar::rain::Attenuation;
 use crate::radar::receiver::thermal_noise_w;
 use crate::recording::header::Header;
 use crate::scene::Scene;
@@ -133,8 +133,9 @@ pub struct Description {
     /// Noise power of a sample, W.
     pub(super) noise_w: f64,
     pub(super) mode: &'static str,
-    /// One-way loss in the air, dB/m.
-    pub(super) air_db_per_m: f64,
+    /// One-way losses in the air, dB/km: of every polarisation, and of rain in addition.
+    pub(super) air_db_per_km: f64,
+    pub(super) rain: Attenuation,
     /// Middle (East, North) and sides of the patch; no middle where it follows something.
     pub(super) patch: Option<(Option<[f64; 2]>, [f64; 2])>,
     /// Targets, East and North, m.
@@ -180,8 +181,8 @@ impl Description {
                 .noise_figure_db
                 .map_or(0.0, |figure| thermal_noise_w(NOISE * radar.sample_rate_hz, Decibels(figure))),
             mode: "STRIPMAP",
-            air_db_per_m: 1e-3
-                * (radar.atmosphere_db_per_km + attenuation_db_per_km(radar.carrier_hz, radar.rain_mmph)),
+            air_db_per_km: radar.atmosphere_db_per_km,
+            rain: Attenuation::new(radar.carrier_hz, radar.rain_mmph),
             patch: scene.sea.as_ref().map(|sea| {
                 let patch = &sea.patch;
                 let side = patch.size_m();

@@ -53,6 +53,8 @@ pub const LEAST_AREA: f64 = 0.2;
 /// Classes of waves an octave, and around the compass.
 const AN_OCTAVE: f64 = 8.0;
 const AROUND: usize = 24;
+/// Variance of the height below which a surface is flat, m^2: 1e-20 m, where squares of it are still numbers.
+const LEAST_VARIANCE_M2: f64 = 1e-40;
 /// Octaves of wave numbers a map may have, and more.
 const MOST_CLASSES: usize = 32 * 8;
 
@@ -138,7 +140,7 @@ impl Choppy {
             })
             .collect();
         let variance_m2: f64 = waves.iter().map(|(variance_m2, _)| variance_m2).sum();
-        if variance_m2 == 0.0 {
+        if variance_m2 < LEAST_VARIANCE_M2 {
             return Self::default();
         }
         let mut sum = -0.5 * alone[1];

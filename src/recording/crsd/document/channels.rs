@@ -3,6 +3,7 @@
 use std::io;
 
 use super::*;
+use crate::recording::crsd::reference::local;
 
 fn polarisation(xml: &mut Xml, name: &str, of: Polarisation, at: &TwoAxes) -> io::Result<()> {
     let id = match of {
@@ -50,14 +51,17 @@ impl Facts {
                     polarisation(xml, "TxPolarization", sequence.polarisation, &at)?;
                     xml.real("TxRefRadIntensity", sequence.intensity_dbw)?;
                     xml.real("TxRadIntErrorStdDev", 0.0)?;
-                    xml.real("TxRefLAtm", self.air_db(&seen, area))
+                    xml.real("TxRefLAtm", self.air_db(&seen, area, sequence.polarisation))
                 })
             })
         })
     }
 
-    fn air_db(&self, seen: &State, area: &Area) -> f64 {
-        self.description.air_db_per_m * seen.position_m.distance(area.point)
+    fn air_db(&self, seen: &State, area: &Area, port: Polarisation) -> f64 {
+        let way_m = seen.position_m - area.point;
+        let [_, _, up] = local(area.point);
+        let rise = up.dot(way_m.normalize_or_zero());
+        1e-3 * way_m.length() * (self.description.air_db_per_km + self.description.rain.of(port, rise))
     }
 
     pub(super) fn channels(&self, xml: &mut Xml, area: &Area) -> io::Result<()> {
@@ -98,7 +102,7 @@ impl Facts {
             polarisation(xml, "RcvPolarization", channel.polarisation, &at)?;
             xml.real("RcvRefIrradiance", channel.irradiance_dbw)?;
             xml.real("RcvIrradianceErrorStdDev", 0.0)?;
-            xml.real("RcvRefLAtm", self.air_db(&seen, area))?;
+            xml.real("RcvRefLAtm", self.air_db(&seen, area, channel.polarisation))?;
             xml.real("PNCRSD", description.noise_w)?;
             xml.real("BNCRSD", NOISE)?;
             xml.within("SARImage", |xml| {
