@@ -150,14 +150,14 @@ fn out_of_the_plane_polarisation_is_turned_as_by_the_facet_that_mirrors() {
     }
     assert!(cross > 0.99, "{cross}");
     // 45 degrees there and back, 90 degrees between: 1/9 stays. In C band at 8 m/s that is -32.5 dB in HH, and
-    // in HV -23.5 but for what V loses on its one way.
+    // in HV -23.5 but for what V loses on its one way and the 0.1 dB that Bragg waves on breakers add.
     let path = Path::new(down(45.0, 0.0), -down(45.0, 270.0));
     let water = Complex64::new(67.0, -36.0);
     let found = breaker(water, &path, DVec3::X);
     assert!((found.turn[1][1].powi(2) - 1.0 / 9.0).abs() < 1e-12 && path.ks.y.abs() > 0.7);
     let sea = sigma0(water, &path, 0.5 * TAU, 8.0);
     let [hh, hv, way] = [sea[1][1], sea[1][0], found.like[1][0] / found.like[1][1]].map(db);
-    assert!((hh + 32.5).abs() < 0.1 && (hv - way + 23.5).abs() < 0.1, "{hh} {hv} {way}");
+    assert!((hh + 32.5).abs() < 0.1 && (hv - way + 23.4).abs() < 0.05, "{hh} {hv} {way}");
     assert!((-0.6..-0.4).contains(&way), "{way}");
 }
 
