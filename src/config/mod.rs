@@ -59,6 +59,7 @@ mod hint;
 mod resolve;
 mod scalars;
 mod section;
+mod warning;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -90,26 +90,6 @@ impl Window {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Echoes of 1 us and of nearly the whole interval of 1 ms, in windows of nearly the whole interval.
-    #[test]
-    fn long_pulses_are_received_by_halves() {
-        let window =
-            |open_s: f64, close_s: f64, pulse_s: f64| Window { open_s, close_s, guard_s: 0.0, pulse_s };
-        let short = window(15e-6, 30e-6, 1e-6);
-        assert!([15e-6, 29e-6, 1.02e-3, -980e-6].iter().all(|begin| short.receives(*begin, 1e-3)));
-        assert!([14.9e-6, 29.1e-6, 400e-6].iter().all(|begin| !short.receives(*begin, 1e-3)));
-        // Full duty: whatever the delay, the window is full of echo.
-        let full = window(0.0, 0.999e-3, 0.99e-3);
-        assert!([0.0, 20e-6, 300e-6, 900e-6].iter().all(|begin| full.receives(*begin, 1e-3)));
-        // One long pulse in a slow rhythm is received where half of it is.
-        assert!(full.receives(0.4e-3, 1.0) && !full.receives(0.6e-3, 1.0));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
     use crate::radar::filter::ReceiveFilter;
     use crate::radar::waveform::{Lfm, Waveform};
     use crate::scene::radar::Sweep;
@@ -147,5 +127,20 @@ mod tests {
         assert_eq!([60.0, 100.0, 999.0, 1000.0].map(|begin_s| window.share(begin_s)), [1.0; 4]);
         assert_eq!([20.0, 1040.0, f64::NAN].map(|begin_s| window.share(begin_s)), [0.0; 3]);
         assert_eq!(Window::UNBOUNDED.share(7.0), 1.0);
+    }
+
+    /// Echoes of 1 us and of nearly the whole interval of 1 ms, in windows of nearly the whole interval.
+    #[test]
+    fn long_pulses_are_received_by_halves() {
+        let window =
+            |open_s: f64, close_s: f64, pulse_s: f64| Window { open_s, close_s, guard_s: 0.0, pulse_s };
+        let short = window(15e-6, 30e-6, 1e-6);
+        assert!([15e-6, 29e-6, 1.02e-3, -980e-6].iter().all(|begin| short.receives(*begin, 1e-3)));
+        assert!([14.9e-6, 29.1e-6, 400e-6].iter().all(|begin| !short.receives(*begin, 1e-3)));
+        // Full duty: whatever the delay, the window is full of echo.
+        let full = window(0.0, 0.999e-3, 0.99e-3);
+        assert!([0.0, 20e-6, 300e-6, 900e-6].iter().all(|begin| full.receives(*begin, 1e-3)));
+        // One long pulse in a slow rhythm is received where half of it is.
+        assert!(full.receives(0.4e-3, 1.0) && !full.receives(0.6e-3, 1.0));
     }
 }

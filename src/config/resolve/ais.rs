@@ -1,9 +1,9 @@
 //! Ships of recorded AIS logs.
 //!
 //! Of every vessel the report nearest to the start that has course and speed is taken and carried along its
-//! course to that instant; from there the ship sails straight on. Speed over the ground is taken for the speed
-//! through the water: currents are not known. Courses are turned from the North of the ship's place to that of
-//! the scene, by the convergence of meridians `(lon - lon_0) sin lat`.
+//! course to that instant; from there the ship sails straight on. Speed over the ground is taken for the
+//! speed through the water: currents are not known. Courses are turned from the North of the ship's place to
+//! that of the scene, by the convergence of meridians `(lon - lon_0) sin lat`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;

@@ -2,8 +2,8 @@
 //!
 //! Impossible is a fault: pulses that overlap, a target in the water. Legal but suspicious is a warning:
 //! windows that overlap, a chirp of less than a cycle, an aperture below half a wavelength, latitude and
-//! longitude swapped, a target that its straight course leads below the sea. What needs trajectories is looked
-//! at where these are made (`pipeline::plausible`).
+//! longitude swapped, a target that its straight course leads below the sea. What needs trajectories is
+//! evaluated where these are made (`pipeline::plausible`).
 
 use super::Ground;
 use crate::config::error::{Problem, Warning};

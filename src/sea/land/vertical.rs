@@ -1,8 +1,8 @@
 //! What the numbers of a raster are: their unit, and what GDAL is told to multiply and add.
 //!
-//! `height = factor (scale value + offset)`: scale and offset are items of the tag `GDAL_METADATA`; the factor
-//! to metres follows from the GeoKey `VerticalUnits` or `VerticalCSType`, or from GDAL's item of the role
-//! `unittype`. Where several name a unit, they must agree.
+//! `height = factor (scale value + offset)`: scale and offset are items of the tag `GDAL_METADATA`; the
+//! factor to metres follows from the GeoKey `VerticalUnits` or `VerticalCSType`, or from GDAL's item of the
+//! role `unittype`. Where several name a unit, they must agree.
 
 use quick_xml::Reader;
 use quick_xml::events::Event;
