@@ -144,7 +144,13 @@ pub(crate) fn plausible(fixes: &mut Vec<Fix>, frame: &SceneFrame, bounds: Motion
             Verdict::Refused => {}
             Verdict::Jumped(indices) => {
                 if since.len() < bounds.reset_fixes {
-                    since.drain(..).for_each(|index| is_kept[index] = false);
+                    // Too few to know: they are judged by what came after.
+                    let mut back = MotionGate::new(*frame, bounds);
+                    let known = indices.iter().rev().chain(since.iter().rev());
+                    for (order, index) in known.copied().enumerate() {
+                        let verdict = back.judge(&backwards(&fixes[index]), index);
+                        is_kept[index] = order < indices.len() || matches!(verdict, Verdict::Believed(_));
+                    }
                 } else {
                     jumps += 1;
                 }
@@ -156,6 +162,16 @@ pub(crate) fn plausible(fixes: &mut Vec<Fix>, frame: &SceneFrame, bounds: Motion
     let mut kept = is_kept.iter();
     fixes.retain(|_| kept.next().copied().unwrap_or(true));
     Refusals { implausible: is_kept.iter().filter(|kept| !**kept).count(), jumps }
+}
+
+/// A fix of the same motion in time that runs backwards.
+fn backwards(fix: &Fix) -> Fix {
+    Fix {
+        time: TimeTag::new(-fix.time.seconds(), -fix.time.fraction_s()),
+        velocity_mps: fix.velocity_mps.map(|v| v.map(|own| -own)),
+        climb_mps: fix.climb_mps.map(|climb_mps| -climb_mps),
+        ..*fix
+    }
 }
 
 impl Known {

@@ -204,7 +204,7 @@ mod tests {
         for (parts, kept, left) in [
             (vec![span(0.0, 50)], 50, 0),
             (vec![span(cold, 4), span(0.0, 50)], 50, 4),
-            (vec![span(9.0, 10), span(late, 40)], 40, 10),
+            (vec![span(1e4 + 9.0, 10), span(late, 40)], 40, 10),
             (vec![span(rolled, 10), span(1e4 + 10.0, 40)], 40, 10),
             // Learnt late: 2 s back, and on at the same pace. Moved.
             (vec![span(0.0, 10), span(8.0, 30)], 40, 0),
