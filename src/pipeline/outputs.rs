@@ -34,7 +34,7 @@ fn unnamed(settings: &sinks::Settings) -> Option<SinkError> {
         return None;
     };
     let words = "the path ends in no name; allowed: the name of a file or folder that is to be made";
-    let source = std::io::Error::new(std::io::ErrorKind::InvalidInput, words);
+    let source = std::io::Error::new(std::io::ErrorKind::IsADirectory, words);
     path.file_name().is_none().then(|| SinkError::io(path, "making the recording")(source))
 }
 

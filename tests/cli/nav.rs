@@ -71,7 +71,9 @@ fn inspect_reports_what_is_there() {
     assert!(text.contains("\ncontains  no velocities, attitudes or standard deviations\n"), "{text}");
     // A log without any date has counts, and the reason why it has no track.
     let plaka = package().join("tests/data/nav/plaka_700.nmea").display().to_string();
-    let text = run(folder.path(), &["nav", "inspect", &plaka]);
+    let ended = nereus(folder.path(), &["nav", "inspect", &plaka]);
+    let text = ended.stdout;
+    assert!(ended.code == 1 && ended.stderr.contains("no track"), "{}: {}", ended.code, ended.stderr);
     assert!(text.contains("no date") && text.contains("219 good"), "{text}");
 }
 
