@@ -14,8 +14,8 @@
 //! On the direct path transmitter and receiver share the direction `k` and its basis, so the product is that
 //! of the two field vectors, `S = 1`. The carrier phase is not in `a`.
 //!
-//! **Rain** attenuates H and V unlike each other ([`crate::radar::rain`]). `A` holds the least that it takes of
-//! a level path, at H, V or circular polarisation; a channel has by its ports `p` and `q` in addition
+//! **Rain** attenuates H and V unlike each other ([`crate::radar::rain`]). `A` holds the least that it takes
+//! of a level path, at H, V or circular polarisation; a channel has by its ports `p` and `q` in addition
 //!
 //! `10^(-(B_p(theta_t) R_t + B_q(theta_r) R_r) / 20)` ,
 //! `B_p(theta) = gamma_circ + (gamma_p - gamma_circ) cos^2(theta) - A_rain` ,

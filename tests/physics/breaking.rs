@@ -118,8 +118,8 @@ fn breakers_are_reciprocal_and_bounded() {
     assert!(hh.is_finite() && found.cross >= 0.0 && vv <= hh);
 }
 
-/// The field that a perfect mirror returns is `2 (m.e) m - e`, m its normal, halfway between the ways there and
-/// back. It keeps its power, and its parts along v and h are those of the breaker.
+/// The field that a perfect mirror returns is `2 (m.e) m - e`, m its normal, halfway between the ways there
+/// and back. It keeps its power, and its parts along v and h are those of the breaker.
 #[test]
 fn out_of_the_plane_polarisation_is_turned_as_by_the_facet_that_mirrors() {
     let mut cross = 0.0f64;
@@ -149,8 +149,8 @@ fn out_of_the_plane_polarisation_is_turned_as_by_the_facet_that_mirrors() {
         }
     }
     assert!(cross > 0.99, "{cross}");
-    // 45 degrees there and back, 90 degrees between: 1/9 stays. In C band at 8 m/s that is -32.5 dB in HH, and
-    // in HV -23.5 but for what V loses on its one way and the 0.1 dB that Bragg waves on breakers add.
+    // 45 degrees there and back, 90 degrees between: 1/9 stays. In C band at 8 m/s that is -32.5 dB in HH,
+    // and in HV -23.5 but for what V loses on its one way and the 0.1 dB that Bragg waves on breakers add.
     let path = Path::new(down(45.0, 0.0), -down(45.0, 270.0));
     let water = Complex64::new(67.0, -36.0);
     let found = breaker(water, &path, DVec3::X);

@@ -41,7 +41,8 @@ fn channels_by_default_are_not_named_twice() {
     insta::assert_snapshot!(channels("[{ polarisation = 'VV', name = 'HH' }, { polarisation = 'HH' }]"), @r#"radar.channel.1.name: "HH" is already the name of another channel; allowed: unique names"#);
 }
 
-/// Default names take as long as written ones: looking at all names for each would take several times as long.
+/// Default names take as long as written ones: looking at all names for each would take several times as
+/// long.
 #[test]
 fn default_names_of_many_targets_are_found_like_written_ones() {
     const COUNT: usize = 60_000;
