@@ -38,7 +38,8 @@ use crate::scene::{Radar, Scene};
 
 /// Facets times pairs times pulses that are made, at most: some 0.15 s of one core.
 const FACET_PULSES: u64 = 1 << 17;
-/// As many times that are made of a long run before its pulses are made one by one for want of knowing better.
+/// As many times that are made of a long run before its pulses are made one by one for want of knowing
+/// better.
 const LONGER: u64 = 8;
 /// Fewer pulses say nothing.
 const LEAST_PULSES: u64 = 8;
