@@ -25,12 +25,21 @@ pub fn caught(header: &Header, mtu_bytes: usize) -> (UdpSocket, Box<Vita49Sink>)
 
 /// The datagrams of pulses `from..to`, and what the sink reports. Read pulse by pulse, so that none is lost.
 pub fn datagrams(header: &Header, mtu_bytes: usize, from: u64, to: u64) -> (Vec<Vec<u8>>, SinkReport) {
+    datagrams_of(header, mtu_bytes, (from..to).map(|n| pulse(header, n)))
+}
+
+/// The same of other pulses.
+pub fn datagrams_of(
+    header: &Header,
+    mtu_bytes: usize,
+    pulses: impl Iterator<Item = Pulse>,
+) -> (Vec<Vec<u8>>, SinkReport) {
     let (socket, mut sink) = caught(header, mtu_bytes);
     let mut all = Vec::new();
     let mut buffer = vec![0; 1 << 16];
     socket.set_nonblocking(true).unwrap();
-    for n in from..to {
-        sink.write(&pulse(header, n)).unwrap();
+    for pulse in pulses {
+        sink.write(&pulse).unwrap();
         // On loopback a datagram is there when the call that sent it returns.
         while let Ok(length) = socket.recv(&mut buffer) {
             all.push(buffer[..length].to_vec());

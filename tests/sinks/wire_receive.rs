@@ -16,7 +16,7 @@ use nereus::sinks::vita49::{Settings, Vita49Sink};
 use proptest::prelude::*;
 
 use crate::recording_fixture::{PRF_HZ, header, pulse};
-use crate::wire_fixture::{datagrams, kind, received, word};
+use crate::wire_fixture::{datagrams, datagrams_of, kind, received, word};
 
 /// What the wire carries of a pulse.
 fn carried(pulse: &Pulse) -> Pulse {
@@ -34,6 +34,12 @@ fn carried(pulse: &Pulse) -> Pulse {
 
 fn expected(header: &Header, from: u64, to: u64) -> Vec<Pulse> {
     (from..to).map(|n| carried(&pulse(header, n))).collect()
+}
+
+/// A pulse whose window opens soon after its emission, as those about it do: where samples come before states,
+/// their times alone say where the stream is.
+fn soon(header: &Header, n: u64) -> Pulse {
+    Pulse { window_start_s: 30e-6, ..pulse(header, n) }
 }
 
 /// A header whose windows take three datagrams a channel.
@@ -189,12 +195,12 @@ fn lost_pulses_are_seen_by_number_time_and_count() {
 #[test]
 fn states_may_come_after_the_samples_and_some_may_be_missing() {
     let header = wide(SampleFormat::Cf32);
-    let (all, _) = datagrams(&header, 1500, 0, 4);
+    let (all, _) = datagrams_of(&header, 1500, (0..4).map(|n| soon(&header, n)));
     let is_state = |d: &&Vec<u8>| kind(d) == 5 && word(d, 4) & 0xf000_0000 == 0x2000_0000;
     // All that is no state first: every pulse is opened by its samples.
     let (states, others): (Vec<_>, Vec<_>) = all.iter().partition(|d| is_state(d));
     let (pulses, report) = received(others.iter().copied().chain(states.iter().copied()));
-    assert!(pulses == expected(&header, 0, 4));
+    assert!(pulses == (0..4).map(|n| carried(&soon(&header, n))).collect::<Vec<_>>());
     assert_eq!((report.pulses, report.incomplete, report.stray), (4, 0, 0));
     // Without the states of one platform no pulse is whole.
     let (pulses, report) =
@@ -355,7 +361,8 @@ fn a_plain_recording_can_be_made_of_it() {
 /// The datagrams of twelve pulses.
 fn twelve() -> &'static [Vec<u8>] {
     static ALL: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
-    ALL.get_or_init(|| datagrams(&wide(SampleFormat::Ci16), 1500, 0, 12).0)
+    let header = wide(SampleFormat::Ci16);
+    ALL.get_or_init(|| datagrams_of(&header, 1500, (0..12).map(|n| soon(&header, n))).0)
 }
 
 proptest! {
@@ -383,7 +390,7 @@ proptest! {
             doubled += 1;
         }
         let (pulses, report) = received(first.iter().chain(rest));
-        prop_assert!(pulses == expected(&header, 0, 12));
+        prop_assert!(pulses == (0..12).map(|n| carried(&soon(&header, n))).collect::<Vec<_>>());
         prop_assert_eq!((report.pulses, report.incomplete, report.malformed), (12, 0, 0));
         prop_assert_eq!(report.duplicates, doubled);
         prop_assert_eq!((report.missing.pulses_by_index, report.missing.pulses_by_time), (0, 0));
