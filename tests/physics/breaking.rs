@@ -137,11 +137,11 @@ fn out_of_the_plane_polarisation_is_turned_as_by_the_facet_that_mirrors() {
                     let mirrored = 2.0 * normal.dot(field) * normal - field;
                     let parts = [path.scattered.v, path.scattered.h].map(|p| mirrored.dot(p).powi(2));
                     assert!((parts[0] + parts[1] - 1.0).abs() < 1e-12 && mirrored.dot(ks).abs() < 1e-12);
-                    for p in 0..2 {
-                        let error = found.turn[p][q].powi(2) - parts[p];
+                    for (p, part) in parts.into_iter().enumerate() {
+                        let error = found.turn[p][q].powi(2) - part;
                         assert!(error.abs() < 1e-12, "{there} {back} {azimuth}: {error:e}");
                         let like = found.sigma()[p][q] - if p == q { 0.0 } else { found.cross };
-                        assert!((like - found.like[p][q] * parts[p]).abs() < 1e-9 * found.like[1][1]);
+                        assert!((like - found.like[p][q] * part).abs() < 1e-9 * found.like[1][1]);
                     }
                     cross = cross.max(parts[1 - q]);
                 }
