@@ -17,7 +17,7 @@
 //! that agree with each other by the same two rules are believed, all of them, and the gate goes by them from
 //! then on.
 //!
-//! Fixes of a file pass the same gate ([`plausible`]). There the future is known: fewer fixes in a row than
+//! Fixes of a file pass the same gate (`plausible`). There the future is known: fewer fixes in a row than
 //! `reset_fixes` before the place is another one are refused themselves.
 
 use glam::DVec3;

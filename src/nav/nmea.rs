@@ -28,7 +28,7 @@
 //!
 //! Sentences are read by [`decode`](super::decode), joined by [`epoch`](super::epoch) and completed by
 //! [`completion`](super::completion), as those of a live receiver are. Logs of NovAtel receivers in between
-//! are read too, see [`inspvax`](super::inspvax) for files of them alone.
+//! are read too, by [`novatel`](super::decode::novatel).
 //!
 //! ```
 //! use nereus::nav::{AttitudeSource, FileFormat, FileSource, MotionBounds, Smoothing, VerticalDatum, nmea};
