@@ -38,9 +38,6 @@ use crate::scene::{Radar, Scene};
 
 /// Facets times pairs times pulses that are made, at most: some 0.15 s of one core.
 const FACET_PULSES: u64 = 1 << 17;
-/// As many times that are made of a long run before its pulses are made one by one for want of knowing
-/// better.
-const LONGER: u64 = 8;
 /// Fewer pulses say nothing.
 const LEAST_PULSES: u64 = 8;
 /// Settings that are tried in blocks.
@@ -66,28 +63,17 @@ pub(crate) fn plan(
         Ok::<_, BuildErrors>(Plan { asked: *asked, ..plan })
     };
     let first = choose(&mut chooser, asked.error_db, asked.node_pulses)?;
-    let of_block = first.chosen.block_pulses(generator.hold_pulses());
-    let chosen = Chosen::of(scene, generator, of_block, FACET_PULSES);
+    let chosen = Chosen::of(scene, generator, first.chosen.block_pulses(generator.hold_pulses()));
     if first.chosen.node_pulses <= 1 || (chosen.pulses.len() as u64) < LEAST_PULSES {
         return Ok(first);
     }
     let exact = Asked { node_pulses: Some(1), ..Asked::error_db(EXACT_DB) };
     let exact = chooser.choose(&exact)?;
-    let Some(mut trial) = Trial::new(scene, generator, waveform, chosen, &exact)? else { return Ok(first) };
+    let Some(trial) = Trial::new(scene, generator, waveform, chosen, &exact)? else { return Ok(first) };
     let (mut tried, mut target_db) = (first, asked.error_db);
     let mut best: Option<Plan> = None;
     for tries in 1..=TRIES {
-        let Some(mut found) = trial.judged(tried, tries)? else { return Ok(first) };
-        if !found.keeps() && trial.asks_for_more(&found) {
-            // The pulses made keep what is asked; what they say of the rest of the run does not.
-            let chosen = Chosen::of(scene, generator, of_block, LONGER * FACET_PULSES);
-            let Some(longer) = Trial::new(scene, generator, waveform, chosen, &exact)? else {
-                return Ok(first);
-            };
-            trial = longer;
-            let Some(again) = trial.judged(tried, tries)? else { return Ok(first) };
-            found = again;
-        }
+        let Some(found) = trial.judged(tried, tries)? else { return Ok(first) };
         if found.keeps() {
             return Ok(found);
         }
@@ -130,19 +116,15 @@ struct Chosen {
     /// Those of them that are spread over the run.
     spread: Vec<bool>,
     all: bool,
-    /// Whether they are as many as are ever made.
-    most: bool,
 }
 
 impl Chosen {
-    /// As many as `facet_pulses` allow.
-    fn of(scene: &Scene, generator: &PathGenerator, block: u64, facet_pulses: u64) -> Self {
+    fn of(scene: &Scene, generator: &PathGenerator, block: u64) -> Self {
         let each = (generator.facets() * generator.pairs().len()) as u64;
-        let count = facet_pulses.checked_div(each).unwrap_or(0);
-        let most = facet_pulses > FACET_PULSES;
+        let count = FACET_PULSES.checked_div(each).unwrap_or(0);
         let all = scene.pulses;
         if all <= count {
-            return Self { pulses: (0..all).collect(), spread: vec![true; all as usize], all: true, most };
+            return Self { pulses: (0..all).collect(), spread: vec![true; all as usize], all: true };
         }
         // Half of them all over the run; a block at its begin, and its end, where the last block is cut
         // short.
@@ -150,7 +132,7 @@ impl Chosen {
         let ends = (count / 4).min(block);
         let pulses: BTreeSet<u64> = spread.iter().copied().chain(0..ends).chain(all - ends..all).collect();
         let of_run = pulses.iter().map(|pulse| spread.contains(pulse)).collect();
-        Self { pulses: pulses.into_iter().collect(), spread: of_run, all: false, most }
+        Self { pulses: pulses.into_iter().collect(), spread: of_run, all: false }
     }
 }
 
@@ -189,13 +171,6 @@ impl<'a> Trial<'a> {
         trial.means = (0..channels).map(|channel| mean_of(&found, channel)).collect();
         trial.exact = samples;
         Ok(Some(trial))
-    }
-
-    /// Whether a plan that misses what is asked does so by what is inferred of pulses that were not made.
-    fn asks_for_more(&self, plan: &Plan) -> bool {
-        !self.chosen.most
-            && !self.chosen.all
-            && plan.prediction.modelled() <= 10f64.powf(0.1 * plan.asked.error_db)
     }
 
     /// The pulses by a plan.
