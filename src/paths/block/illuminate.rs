@@ -9,7 +9,6 @@ use super::instants::Tier;
 use super::runs::Gather;
 use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
 use super::timing::Timing;
-use super::travelling::Part;
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, Row, lanes_for};
@@ -344,7 +343,7 @@ impl PathGenerator {
             variant,
             timings,
             batch,
-            part,
+            is_more,
             land,
             view,
             places_m,
@@ -395,8 +394,8 @@ impl PathGenerator {
             self.respond(sea, *variant, kinds, beside, batch);
         }
         if let Some(LandPlan { scattering, .. }) = sea.land.as_ref().filter(|_| land.count > 0) {
-            // What turns as specular points do is handed over apart, and land is in the other part.
-            let silent = *part == Part::Specular;
+            // Land is in the part that is handed over first.
+            let silent = *is_more;
             batch.respond_as_land(*variant, sea.lanes.axis(), scattering, land, silent);
         }
         out.cosine = batch.cosine;
@@ -426,12 +425,13 @@ impl PathGenerator {
         ];
         let Epoch { layers, power, .. } = out;
         power.fill(0.0);
-        for (channels, layer) in plan.channels.chunks(CHANNELS_PER_LAYER).zip(layers) {
+        for layer in layers {
             let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
-            for (&(_, tx_port, rx_port), port) in channels.iter().zip(&mut ports) {
+            for (&channel, port) in layer.channels().iter().zip(&mut ports) {
+                let (_, tx_port, rx_port) = plan.channels[channel];
                 *port = port_products([tx_port, rx_port], isolations_db);
             }
-            let (ports, power) = (&ports[..channels.len()], &mut *power);
+            let (ports, power) = (&ports[..layer.channels().len()], &mut *power);
             match layer.lanes() {
                 2 => variant.run(Combine::<2> { ports, scale, batch, out: layer.lines_mut(), power }),
                 4 => variant.run(Combine::<4> { ports, scale, batch, out: layer.lines_mut(), power }),
