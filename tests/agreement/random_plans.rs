@@ -7,12 +7,8 @@
 //!
 //! `NEREUS_PLANS=10000 cargo test --test agreement random_plans -- --nocapture`
 
-use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread;
 use std::time::Instant;
 
 use crate::cases::cases;
@@ -21,7 +17,7 @@ use nereus::config;
 use nereus::pipeline::build;
 
 use super::random_scene::random_scene;
-use super::random_scenes::variable;
+use super::random_scenes::{of_seeds, variable};
 
 /// Predicted error of the plan of a seed, dB; what refuses it.
 fn predicted_db(seed: u64) -> Result<f64, String> {
@@ -36,24 +32,10 @@ fn predicted_db(seed: u64) -> Result<f64, String> {
 #[test]
 fn plans_of_random_scenes_do_not_panic() {
     let (first, count) = (variable("NEREUS_SEED", 1), variable("NEREUS_PLANS", cases(100).into()));
-    let (next, done) = (AtomicU64::new(first), Mutex::new(BTreeMap::new()));
     let begun = Instant::now();
-    thread::scope(|scope| {
-        for _ in 0..thread::available_parallelism().map_or(1, usize::from).min(4) {
-            scope.spawn(|| {
-                loop {
-                    let seed = next.fetch_add(1, Ordering::Relaxed);
-                    if seed >= first + count {
-                        break;
-                    }
-                    let planned = catch_unwind(AssertUnwindSafe(|| predicted_db(seed)));
-                    done.lock().unwrap().insert(seed, planned);
-                }
-            });
-        }
-    });
+    let plans = of_seeds(first, count, |seed| catch_unwind(AssertUnwindSafe(|| predicted_db(seed))));
     let (mut panicked, mut no_number, mut refused) = (Vec::new(), Vec::new(), Vec::new());
-    for (seed, planned) in done.into_inner().unwrap() {
+    for (seed, planned) in plans {
         match planned {
             Err(_) => panicked.push(seed),
             Ok(Ok(db)) if db.is_nan() => no_number.push(seed),

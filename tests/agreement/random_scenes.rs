@@ -11,6 +11,7 @@
 //!
 //! `NEREUS_SEED=77 NEREUS_SCENES=1 cargo test --test agreement random_scenes -- --nocapture`
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -34,6 +35,27 @@ const TOO_FINE_SHARE: f64 = 0.63;
 
 pub(super) fn variable(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().unwrap_or_else(|_| panic!("{name}: a number")))
+}
+
+/// What is found of every seed, several at once.
+pub(super) fn of_seeds<T: Send>(first: u64, count: u64, find: impl Fn(u64) -> T + Sync) -> BTreeMap<u64, T> {
+    let (next, done) = (AtomicU64::new(first), Mutex::new(BTreeMap::new()));
+    // Threads of their own: a pool would begin another scene while it waits for the pool of one, and so on.
+    thread::scope(|scope| {
+        for _ in 0..thread::available_parallelism().map_or(1, usize::from).min(4) {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed >= first + count {
+                        break;
+                    }
+                    let found = find(seed);
+                    done.lock().unwrap().insert(seed, found);
+                }
+            });
+        }
+    });
+    done.into_inner().unwrap()
 }
 
 struct Found {
@@ -91,27 +113,9 @@ fn measure(seed: u64) -> Result<Found, String> {
 #[test]
 fn promises_are_kept() {
     let (first, count) = (variable("NEREUS_SEED", 1), variable("NEREUS_SCENES", cases(12).into()));
-    let (next, done) = (AtomicU64::new(first), Mutex::new(Vec::new()));
-    // Threads of their own: a pool would begin another scene while it waits for the pool of one, and so on.
-    thread::scope(|scope| {
-        for _ in 0..thread::available_parallelism().map_or(1, usize::from).min(4) {
-            scope.spawn(|| {
-                loop {
-                    let seed = next.fetch_add(1, Ordering::Relaxed);
-                    if seed >= first + count {
-                        break;
-                    }
-                    let result = measure(seed);
-                    done.lock().unwrap().push((seed, result));
-                }
-            });
-        }
-    });
-    let mut results = done.into_inner().unwrap();
-    results.sort_by_key(|(seed, _): &(u64, Result<Found, String>)| *seed);
     let mut found = Vec::new();
     let mut refused = Vec::new();
-    for (seed, result) in results {
+    for (seed, result) in of_seeds(first, count, measure) {
         match result {
             Ok(own) => found.push(own),
             Err(why) => {
