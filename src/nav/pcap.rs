@@ -176,7 +176,7 @@ pub(super) fn is_capture(bytes: &[u8]) -> bool {
 
 /// A link layer, if it is read.
 fn known(link: i32) -> Result<i32, CaptureError> {
-    // What stands above 16 bits tells of check sequences.
+    // What stands above 16 bits is of check sequences.
     let found = link & 0xFFFF;
     if ![0, 1, 12, 101, 108, 113, 228, 229].contains(&found) {
         return Err(CaptureError::Link { found: found.unsigned_abs() });

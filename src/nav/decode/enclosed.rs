@@ -1,7 +1,7 @@
 //! Messages that stand within a longer one that is announced.
 //!
 //! 28 bytes of garbage may announce 16 KiB, which take a slow line minutes. What stands meanwhile on lines of
-//! its own with a right checksum, or is a message of NovAtel that is read with a right CRC, tells that there
+//! its own with a right checksum, or is a message of NovAtel that is read with a right CRC, shows that there
 //! is no such message: two sentences do, or one message with a CRC of 32 bits. Messages that carry the text
 //! of another port hold 80 bytes of it, less than that.
 //!

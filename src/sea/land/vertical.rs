@@ -1,4 +1,4 @@
-//! What the numbers of a raster are: their unit, and what GDAL is told to multiply and add.
+//! What the numbers of a raster are: their unit, and the scale and offset of GDAL.
 //!
 //! `height = factor (scale value + offset)`: scale and offset are items of the tag `GDAL_METADATA`; the
 //! factor to metres follows from the GeoKey `VerticalUnits` or `VerticalCSType`, or from GDAL's item of the
