@@ -36,8 +36,8 @@ fn expected(header: &Header, from: u64, to: u64) -> Vec<Pulse> {
     (from..to).map(|n| carried(&pulse(header, n))).collect()
 }
 
-/// A pulse whose window opens soon after its emission, as those about it do: where samples come before states,
-/// their times alone say where the stream is.
+/// A pulse whose window opens soon after its emission, as those about it do: where samples come before
+/// states, their times alone say where the stream is.
 fn soon(header: &Header, n: u64) -> Pulse {
     Pulse { window_start_s: 30e-6, ..pulse(header, n) }
 }
