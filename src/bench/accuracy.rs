@@ -220,7 +220,8 @@ fn over_the_run(run: &Run, threads: usize) -> Result<Option<Vec<Vec<f64>>>, Buil
     let asked = Asked { node_pulses: Some(1), ..Asked::error_db(OF_POWER_DB) };
     let factory = factory_for(run, &Fidelity::Fast(asked))?;
     let count = if factory.facets() > 0 { OF_SEA } else { OF_POINTS }.min(run.scene.pulses);
-    let pulses: Vec<u64> = spread_over(run.scene.pulses, count).collect();
+    let cycle = run.scene.radar.tx_polarisation.cycle();
+    let pulses: Vec<u64> = spread_over(run.scene.pulses, count, cycle).collect();
     let channels = factory.layout().channels;
     match make(&factory, &pulses, threads, &|_| (), |samples| powers(samples, channels)) {
         Ok(powers) => Ok(Some(powers)),

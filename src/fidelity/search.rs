@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use super::cost::{CostTable, Size};
 use super::echo_settings::{EchoSettings, block_length, block_pulses};
-use super::probe::{ErrorSampler, InterpolationError, LONGEST, Powers, Probed, Sweeps, Swept};
+use super::probe::{ErrorSampler, InterpolationError, Powers, Probed, Sweeps, Swept};
 use super::sidelobe::Candidates;
 use super::synth_choice::SynthChoice;
 use super::{PlanError, Prediction};
@@ -144,7 +144,7 @@ impl<'a> Search<'a> {
     /// # Errors
     /// Tracks that end early, or settings that the fast echo refuses.
     pub fn best(&self, sampler: &mut ErrorSampler<'_>, spacings: &[u64]) -> Result<Option<Plan>, PlanError> {
-        let mut gains = self.gains_of(&sampler.gains(&self.gain_steps, LONGEST)?);
+        let mut gains = self.gains_of(&sampler.gains(&self.gain_steps, sampler.longest())?);
         let nothing = [sampler.nothing()];
         let allowed: Vec<(u64, Candidate)> = gains
             .iter()
@@ -307,6 +307,6 @@ fn better(plan: &Plan, held: &Plan) -> bool {
 fn farthest_epoch(scene: &Scene) -> u64 {
     let Some(sea) = &scene.sea else { return u64::MAX };
     let period_s = (TAU * 2.0 * sea.patch.facet_m / GRAVITY_MPS2).sqrt();
-    let pulses = period_s / EPOCHS_PER_PERIOD / scene.radar.emissions.interval_s(0, 1);
+    let pulses = period_s / EPOCHS_PER_PERIOD / scene.radar.emissions.mean_pri_s();
     (pulses.floor() as u64).max(1)
 }

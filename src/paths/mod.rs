@@ -432,6 +432,11 @@ impl PathGenerator {
         }
     }
 
+    /// The same of its own emission, in all polarisations: what a node has, whichever pulses fill from it.
+    fn reception_of_all<'a>(&'a self, index: u64, emission: &'a Emission, window: Window) -> Reception<'a> {
+        Reception { tx_pol: None, ..self.reception(index, index, emission, window) }
+    }
+
     /// The buffers of the sea, made unless they are there.
     fn sea_work<'a>(&self, sea: &SeaPlan, work: &'a mut Option<SeaWork>) -> Option<&'a mut SeaWork> {
         if work.is_none() {

@@ -337,18 +337,13 @@ impl SeaPlan {
         (self, ships)
     }
 
-    /// Whether facets forget their phases.
-    pub fn forgets(&self) -> bool {
-        self.scattering.decorrelates()
-    }
-
     /// Whether the patch moves.
     pub fn moves(&self) -> bool {
         matches!(self.place, PatchPlace::Follow { .. })
     }
 
     /// When the patch of a time (s after pulse 0) was placed.
-    fn placed_s(&self, elapsed_s: f64) -> f64 {
+    pub fn placed_s(&self, elapsed_s: f64) -> f64 {
         if self.hold_s.is_finite() { (elapsed_s / self.hold_s + 1e-9).floor() * self.hold_s } else { 0.0 }
     }
 

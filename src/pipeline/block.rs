@@ -5,10 +5,10 @@
 //! ([`crate::echo::synth::lanes`]); targets and the direct path are scatterer paths at the gain instants,
 //! through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]); what varies from
 //! pulse to pulse multiplies the amplitude at each of them. A block that the run
-//! cuts short moves its nodes together. Where windows hold more than their own emission, where polarisations
-//! alternate or intervals differ, and where facets forget their phases, every pulse is a block of its own,
-//! and nothing is interpolated. Where a report is changed by which something is aimed, a block ends
-//! ([`PathGenerator::unbroken`]).
+//! cuts short moves its nodes together. Nodes are functions of time: a pulse is evaluated when it is emitted,
+//! so intervals may differ, and of the channels that nodes have it fills those of its polarisation. Where
+//! windows hold more than their own emission every pulse is a block of its own, and nothing is interpolated.
+//! Where a report is changed by which something is aimed, a block ends ([`PathGenerator::unbroken`]).
 //!
 //! A patch that follows stays for some pulses ([`PathGenerator::hold_pulses`]), and blocks divide these. A
 //! block depends on its number and the run alone, so any thread may make any pulse: the block that holds it
@@ -37,6 +37,8 @@ use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::scene::Patch;
 
+/// Most pulses of which points have polynomials in common: phases are rounded by the square of their number.
+const POINT_PULSES: usize = 192;
 /// Pulses of which as few are made exactly.
 const FEW_PULSES: usize = 8;
 
@@ -261,7 +263,9 @@ impl BlockEcho {
         let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
         memory.costs.lap(Stage::Record);
         self.synth.frame(windows_s, mean_hz, frame);
-        self.synth.clear_for(pulses, grids);
+        generator.slow_time(first, pulses, &mut frame.slow);
+        generator.pulse_groups(first, pulses, &mut frame.groups);
+        self.synth.clear_for(frame, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
             let epochs = [Tier::Mainlobe, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
             self.synth.make_room(epochs[0].max(epochs[1]), pulses, lanes);
@@ -276,7 +280,7 @@ impl BlockEcho {
             work.spread = (illuminated - culled) * generator.pairs().len();
         }
         if generator.target_count() > 0 {
-            let step = (NODES - 1) * self.gain_pulses;
+            let step = ((NODES - 1) * self.gain_pulses).min(POINT_PULSES);
             for from in (0..pulses).step_by(step) {
                 self.targets(generator, first, from..(from + step).min(pulses), memory, work)?;
             }
@@ -323,7 +327,9 @@ impl BlockEcho {
         let (at, count) = nodes_within(pulses.len());
         let stretch = Stretch { block: first, pulses: pulses.clone(), nodes: &at[..count], patch };
         let (nodes, factors) = (&mut work.nodes[..count], &mut work.factors);
-        if generator.breakers_of_stretch(&stretch, tiles, memory, nodes, factors)? {
+        if pulses.len() <= POINT_PULSES
+            && generator.breakers_of_stretch(&stretch, tiles, memory, nodes, factors)?
+        {
             return Ok(self.spread_stretch(pulses.clone(), memory, work)? * pulses.len());
         }
         let middle = pulses.start + pulses.len() / 2;
@@ -441,7 +447,7 @@ impl BlockEcho {
 
     /// Pulses whose panels of ships are found together, at most.
     pub fn pulses_of_panels(&self) -> usize {
-        ((NODES - 1) * self.panel_pulses + 1).min(self.length as usize)
+        ((NODES - 1) * self.panel_pulses + 1).min(POINT_PULSES).min(self.length as usize)
     }
 
     /// Targets and direct paths of some pulses of the block.

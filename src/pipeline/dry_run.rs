@@ -128,7 +128,8 @@ impl Chosen {
         }
         // Half of them all over the run; a block at its begin, and its end, where the last block is cut
         // short.
-        let spread: BTreeSet<u64> = spread_over(all, count / 2).collect();
+        let cycle = scene.radar.tx_polarisation.cycle();
+        let spread: BTreeSet<u64> = spread_over(all, count / 2, cycle).collect();
         let ends = (count / 4).min(block);
         let pulses: BTreeSet<u64> = spread.iter().copied().chain(0..ends).chain(all - ends..all).collect();
         let of_run = pulses.iter().map(|pulse| spread.contains(pulse)).collect();

@@ -47,7 +47,7 @@ use super::lanes::table::{BraggTable, Density, MOST_RELATIVE_ERROR};
 use super::lanes::{LaneModulation, LaneWater};
 use super::modulation::{self, TiltBias};
 use super::permittivity::{Model, PermittivityError, SeaWater};
-use super::speckle::Speckle;
+use super::speckle::{Speckle, WAVES, Wave};
 use super::two_rays::TwoRays;
 use super::two_scale::{Medium, Settings, TwoScale};
 use crate::scattering::splitting::high_pass;
@@ -441,6 +441,16 @@ impl WaterScattering {
     /// Phasors of the facet with a global key, `t_s` after pulse 0.
     pub fn phasors(&self, key: [i64; 2], t_s: f64, out: &mut [Complex64]) {
         self.speckle.phasors(self.seed, (key[0], key[1]), t_s, out);
+    }
+
+    /// Phasors of the same facet were they frozen.
+    pub fn phasors_at_rest(&self, key: [i64; 2], out: &mut [Complex64]) {
+        Speckle::Frozen.phasors(self.seed, (key[0], key[1]), 0.0, out);
+    }
+
+    /// Waves of the phasor of a mechanism of the same facet, where it decorrelates.
+    pub fn waves(&self, key: [i64; 2], mechanism: usize) -> [Wave; WAVES] {
+        self.speckle.waves(self.seed, (key[0], key[1]), mechanism)
     }
 
     /// Scattering matrices of a batch of one kind, sqrt(m^2), in the order `vv, vh, hv, hh`.

@@ -9,7 +9,6 @@ use super::instants::Tier;
 use super::runs::Gather;
 use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
 use super::timing::Timing;
-use super::travelling::Part;
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, Row, lanes_for};
@@ -398,8 +397,7 @@ impl PathGenerator {
             self.respond(sea, *variant, kinds, beside, batch);
         }
         if let Some(LandPlan { scattering, .. }) = sea.land.as_ref().filter(|_| land.count > 0) {
-            // What turns as specular points do is handed over apart, and land is in the other part.
-            let silent = *part == Part::Specular;
+            let silent = !sea.has_land(*part);
             batch.respond_as_land(*variant, sea.lanes.axis(), scattering, land, silent);
         }
         out.cosine = batch.cosine;
@@ -436,12 +434,13 @@ impl PathGenerator {
         ];
         let Epoch { layers, power, .. } = out;
         power.fill(0.0);
-        for (channels, layer) in plan.channels.chunks(CHANNELS_PER_LAYER).zip(layers) {
+        for layer in layers {
             let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
             let mut scales = [scale; CHANNELS_PER_LAYER];
             let mut in_rain = [[0.0; LANES]; CHANNELS_PER_LAYER];
             let rows = in_rain.iter_mut().zip(&mut scales);
-            for ((&(_, tx_port, rx_port), port), (row, own)) in channels.iter().zip(&mut ports).zip(rows) {
+            for ((&channel, port), (row, own)) in layer.channels().iter().zip(&mut ports).zip(rows) {
+                let (_, tx_port, rx_port) = plan.channels[channel];
                 *port = port_products([tx_port, rx_port], isolations_db);
                 if let Some(rain) = plan.link.lanes_in_rain() {
                     let ports = [tx_port, rx_port];
@@ -449,7 +448,7 @@ impl PathGenerator {
                     *own = row;
                 }
             }
-            let (ports, power) = (&ports[..channels.len()], &mut *power);
+            let (ports, power) = (&ports[..layer.channels().len()], &mut *power);
             match layer.lanes() {
                 2 => variant.run(Combine::<2> { ports, scales, batch, out: layer.lines_mut(), power }),
                 4 => variant.run(Combine::<4> { ports, scales, batch, out: layer.lines_mut(), power }),
