@@ -112,6 +112,7 @@ impl<'a> Chooser<'a> {
                 panel_pulses,
                 sidelobe: None,
                 sidelobe_share: 0.0,
+                between: None,
                 least_power: budget.least_power,
                 precision: budget.precision,
                 echo: synth.single,

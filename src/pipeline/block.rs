@@ -64,6 +64,8 @@ pub(crate) struct BlockEcho {
     panel_pulses: usize,
     epochs_per_node: usize,
     sidelobe: Option<Sidelobe>,
+    /// What a tile may lack at its supports alone.
+    between: Option<f64>,
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
     pulses: u64,
@@ -127,6 +129,7 @@ impl BlockEcho {
             panel_pulses: usize::try_from(chosen.panel_pulses.unwrap_or(1)).unwrap_or(1).clamp(1, MAX_PULSES),
             epochs_per_node: chosen.epochs_per_node,
             sidelobe: chosen.sidelobe,
+            between: chosen.between,
             least_power: chosen.least_power,
             pulses,
         })
@@ -253,6 +256,7 @@ impl BlockEcho {
         for at in first..end {
             work.windows_s.push(generator.window_start_of(at)?);
         }
+        work.tiers.between = self.between.filter(|_| self.synth.windows_align(&work.windows_s));
         let patch = generator.patch_of(first)?;
         let BlockWork { tiers, samples, tiles, mean_hz, nodes, windows_s, .. } = &mut *work;
         samples.clear();

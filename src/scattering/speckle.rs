@@ -81,6 +81,14 @@ impl Speckle {
         }
     }
 
+    /// Rms angular frequency, rad/s.
+    pub fn deviation_radps(self) -> f64 {
+        match self {
+            Self::Frozen => 0.0,
+            Self::Decorrelating { time_s } => std::f64::consts::SQRT_2 / time_s,
+        }
+    }
+
     /// The waves of a decorrelating phasor of a mechanism of facet `(ix, iy)`; of a frozen one, waves that
     /// stand.
     pub fn waves(self, seed: u64, facet: (i64, i64), mechanism: usize) -> [Wave; WAVES] {

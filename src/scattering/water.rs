@@ -372,6 +372,11 @@ impl WaterScattering {
         self.speckle != Speckle::Frozen
     }
 
+    /// Rms angular frequency of phasors that are forgotten, rad/s; 0 where none are.
+    pub fn forgetting_radps(&self) -> f64 {
+        self.speckle.deviation_radps()
+    }
+
     /// The lines of Bragg waves that travel, if they do: they turn the phasors of [`Self::phasors`].
     pub fn travelling(&self) -> Option<&BraggLines> {
         self.travelling.as_ref()

@@ -17,6 +17,7 @@ use std::ops::Range;
 
 use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
 use super::grid::{Grids, Lined};
+use super::profiles::{Rows, intervals_of};
 use super::spread::{DelayPolynomials, Emitted, Job, TICKS};
 use super::{Synth, of_group};
 use crate::cpu::Task;
@@ -24,19 +25,21 @@ use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
 use crate::paths::block::{Instants, Pair, TURNED_LANES, Tile};
 
 /// Most pulses that are spread with one set of polynomials: their grids stay in the cache.
-const TOGETHER: usize = 64;
+pub(super) const TOGETHER: usize = 64;
 
 /// Room to work; one per thread.
 #[derive(Debug, Default)]
 pub struct LaneWork {
-    polynomials: DelayPolynomials<f32>,
+    pub(super) polynomials: DelayPolynomials<f32>,
     /// `[layer][epoch]`: amplitudes of layers of moments, `[path][lane]`.
     moments: Vec<Vec<Lined<f32>>>,
     /// `[layer][power]`, each `[path][lane]`.
-    amplitude: Vec<[Lined<f32>; MAX_NODES]>,
-    emitted: Vec<Emitted<f32>>,
+    pub(super) amplitude: Vec<[Lined<f32>; MAX_NODES]>,
+    pub(super) emitted: Vec<Emitted<f32>>,
     /// Powers of the amplitudes at hand, 2 or 4.
-    powers: usize,
+    pub(super) powers: usize,
+    /// Of a tile that was evaluated at supports alone.
+    pub(super) rows: Rows,
 }
 
 /// A quantity at both ends of an interval.
@@ -86,13 +89,14 @@ impl Synth<f32> {
         if node_count == 0 || tile.count == 0 {
             return;
         }
+        if let Some(supports) = tile.supports() {
+            return self.spread_profiles(tile, pair, supports, frame, work, grids);
+        }
         let pulses = frame.pulses();
         self.fill_moments(tile, pair, frame.mean_hz[pair], work);
         let mut at = None;
-        let intervals = node_count.saturating_sub(1).max(1);
-        for interval in 0..intervals {
-            let from = if interval == 0 { 0 } else { nodes[interval] };
-            let to = if interval + 1 == intervals { pulses } else { nodes[interval + 1] };
+        for interval in 0..node_count.saturating_sub(1).max(1) {
+            let Range { start: from, end: to } = intervals_of(&nodes[..node_count], interval, pulses);
             if from < to {
                 let epochs = tile.instants.epochs_between(interval);
                 if at != Some(epochs.start) {
@@ -111,7 +115,7 @@ impl Synth<f32> {
 
     /// Amplitudes times Doppler off the mean over the length of a pulse, at every scattering epoch: for the
     /// layers of [`Doppler::Taylor`](super::doppler::Doppler::Taylor).
-    fn fill_moments(&self, tile: &Tile, pair: usize, mean_hz: f64, work: &mut LaneWork) {
+    pub(super) fn fill_moments(&self, tile: &Tile, pair: usize, mean_hz: f64, work: &mut LaneWork) {
         let of_pair = &tile.pairs[pair];
         for (layer, moments) in self.layers.iter().zip(&mut work.moments) {
             if layer.pair != pair || !layer.moment {
@@ -138,7 +142,7 @@ impl Synth<f32> {
     }
 
     /// Polynomials of the amplitudes through some scattering epochs.
-    fn amplitudes_through(
+    pub(super) fn amplitudes_through(
         &self,
         tile: &Tile,
         pair: usize,
@@ -172,29 +176,18 @@ impl Synth<f32> {
         }
     }
 
-    /// Spreads a tile on the grids of the pulses from one node to the next.
-    fn spread_interval(
+    /// Phase and place of a tile from a node to the next, counted from `middle` (intervals), by a window that
+    /// opens at `reference_s`.
+    pub(super) fn polynomials_between(
         &self,
         tile: &Tile,
         pair: usize,
         interval: usize,
-        pulses: Range<usize>,
+        (middle, reference_s): (f64, f64),
         frame: &Frame,
-        work: &mut LaneWork,
-        grids: &mut Grids<f32>,
+        polynomials: &mut DelayPolynomials<f32>,
     ) {
-        let LaneWork { polynomials, amplitude, emitted, powers: in_use, .. } = work;
         let (slow, uneven) = (&tile.slow, !tile.slow.uneven().is_empty());
-        let middle = slow.at(pulses.start + pulses.len() / 2);
-        let middles = [middle, slow.at(frame.pulses() / 2)];
-        let groups = frame.groups.get(pulses.clone()).unwrap_or_default();
-        let reference_s = self.fill_emitted(
-            (&frame.windows_s[pulses.clone()], groups),
-            uneven,
-            |row| middles.map(|middle| slow.at(pulses.start + row) - middle),
-            emitted,
-        );
-        let Pair { factor, turned, .. } = &tile.pairs[pair];
         let nodes = tile.pairs[pair].nodes();
         let [first, second] = [interval, (interval + 1).min(nodes.len() - 1)].map(|node| &nodes[node].paths);
         let (count, at_node) = (tile.count, tile.instants.nodes);
@@ -223,9 +216,35 @@ impl Synth<f32> {
             length,
             middle: middle - first_node,
             count,
-            polynomials: &mut *polynomials,
+            polynomials,
         };
         self.variant.run(task);
+    }
+
+    /// Spreads a tile on the grids of the pulses from one node to the next.
+    fn spread_interval(
+        &self,
+        tile: &Tile,
+        pair: usize,
+        interval: usize,
+        pulses: Range<usize>,
+        frame: &Frame,
+        work: &mut LaneWork,
+        grids: &mut Grids<f32>,
+    ) {
+        let LaneWork { polynomials, amplitude, emitted, powers: in_use, .. } = work;
+        let (slow, uneven) = (&tile.slow, !tile.slow.uneven().is_empty());
+        let middle = slow.at(pulses.start + pulses.len() / 2);
+        let middles = [middle, slow.at(frame.pulses() / 2)];
+        let groups = frame.groups.get(pulses.clone()).unwrap_or_default();
+        let reference_s = self.fill_emitted(
+            (&frame.windows_s[pulses.clone()], groups),
+            uneven,
+            |row| middles.map(|middle| slow.at(pulses.start + row) - middle),
+            emitted,
+        );
+        self.polynomials_between(tile, pair, interval, (middle, reference_s), frame, polynomials);
+        let Pair { factor, turned, .. } = &tile.pairs[pair];
         let stride = grids.shape.pulse_len();
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair) {
             let own = of_group(emitted, groups, layer.group);

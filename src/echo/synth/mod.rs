@@ -74,6 +74,7 @@ pub mod kernel;
 mod grid;
 pub mod lanes;
 mod prediction;
+mod profiles;
 mod scalar;
 mod spread;
 mod variant;

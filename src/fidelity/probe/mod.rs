@@ -44,6 +44,7 @@ mod sweep;
 use std::ops::Range;
 
 use self::known::Known;
+use super::budget::BETWEEN_DB;
 use super::turning::Cosines;
 use super::worst::{Cells, Sum, deviations_of};
 use crate::cpu::Variant;
@@ -76,6 +77,10 @@ const SMALL_FACETS: usize = 1 << 15;
 /// Most power of the breaking waves and the rain of a pulse over the most that a few dozen pulses show: they
 /// add with random phases, and come and go.
 const MOST_OF_EXACT: f64 = 2.0;
+/// Pulses in a period of the bandwidth of a tile from which on it may have supports.
+const LEAST_PULSES_OF_BAND: f64 = 3.0;
+/// Runs of no more pulses need none.
+const FEW_PULSES: u64 = 32;
 /// Powers by channel, W: the sum over a sample.
 pub type Powers = Vec<f64>;
 
@@ -110,6 +115,14 @@ impl Truth {
     /// The same as the window receives it; 0 of what is no number.
     fn received(&self, i: usize) -> f64 {
         if self.share[i] > 0.0 { self.power(i) * self.share[i] } else { 0.0 }
+    }
+
+    /// Bandwidth of what its facets return, without that of their waves, Hz.
+    fn bandwidth_hz(&self, radar: &Radar) -> f64 {
+        let rates = self.rate[..self.count].iter().filter(|rate| rate.is_finite());
+        let [least, most] =
+            rates.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], rate| [a.min(*rate), b.max(*rate)]);
+        radar.carrier_hz * (most - least).max(0.0) + radar.sample_rate_hz * most.abs().max(least.abs())
     }
 
     /// Power of a facet in the channel that receives most of it.
@@ -157,6 +170,9 @@ pub struct ErrorSampler<'a> {
     candidates: Candidates,
     /// Facets of each bin of gain, sum over the run.
     gains: Vec<f64>,
+    /// Of the tiles of the sample at all places: how far their facets differ in Doppler, and how fast they
+    /// move over the delay grid, Hz.
+    bandwidths_hz: Vec<f64>,
     known: Known,
 }
 
@@ -209,6 +225,7 @@ impl<'a> ErrorSampler<'a> {
             culled: vec![vec![0.0; all]; LEASTS.len()],
             gains: vec![0.0; candidates.bins()],
             candidates,
+            bandwidths_hz: Vec::new(),
             known: Known::default(),
         };
         own.find_points()?;
@@ -291,6 +308,17 @@ impl<'a> ErrorSampler<'a> {
     /// Whether some facets turn away from an antenna while they are received.
     pub fn turning(&self) -> bool {
         self.turning
+    }
+
+    /// What tiles may lack at their supports alone, where an error over the echo's power is asked: nothing where pulses lie so far apart that hardly any
+    /// has some.
+    pub fn between(&self, power: f64) -> Option<f64> {
+        let mut bandwidths_hz = self.bandwidths_hz.clone();
+        bandwidths_hz.sort_unstable_by(f64::total_cmp);
+        let median_hz = bandwidths_hz.get(bandwidths_hz.len() / 2)?;
+        let far = self.radar.emissions.mean_prf_hz() > LEAST_PULSES_OF_BAND * median_hz;
+        let of_strongest = || power * 10f64.powf(-BETWEEN_DB / 10.0) / self.peak([1.0, 0.0]).max(1.0);
+        (far && self.pulses > FEW_PULSES).then(of_strongest)
     }
 
     /// Pulses of a unit.
@@ -382,6 +410,7 @@ impl<'a> ErrorSampler<'a> {
                 }
             }
         }
+        self.bandwidths_hz.extend(truths.iter().map(|truth| truth.bandwidth_hz(self.radar)));
         let facets: usize = truths.iter().step_by(pairs.max(1)).map(|truth| truth.count).sum();
         means_w.iter_mut().for_each(|mean| *mean /= facets.max(1) as f64);
         self.leave_out(&truths, &means_w);

@@ -47,6 +47,7 @@ impl PathGenerator {
         self.place(patch, work);
         self.sight(work);
         self.keep_illuminated(work);
+        self.choose_supports(sea, work);
         if work.tile.count == 0 {
             return;
         }
@@ -550,11 +551,15 @@ impl PathGenerator {
         let plan = &self.plans[pair];
         let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
         let count = tile.count;
+        let supports = tile.chosen.and_then(|chosen| tile.supports.get(chosen));
         let Pair { epochs, epoch_count, factor, .. } = &mut tile.pairs[pair];
+        let rows = supports.map_or(timing.instants.pulses, |own| own.pulses().len());
+        factor.resize(rows, [0.0; LANES]);
         let epochs = &epochs[..*epoch_count];
         let turns = variant.run(Turns { count, epochs });
         let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
-        for (pulse, out) in factor.iter_mut().enumerate() {
+        for (row, out) in factor.iter_mut().enumerate() {
+            let pulse = supports.map_or(row, |own| own.pulses()[row]);
             let (start, weights) = &timing.lagrange[pulse];
             let (rows, weights) = (&gain_rows[pair][*start..], &weights[..points]);
             variant.run(Weigh { count, rows, weights, out });

@@ -109,6 +109,9 @@ pub struct Tiers {
     pub sidelobe: Option<Instants>,
     /// Two-way gain of every pair over its peak below which they are, dB.
     pub below_db: f64,
+    /// Share of its power that a tile may lack for being evaluated at its supports alone; `None`: at every
+    /// pulse.
+    pub between: Option<f64>,
 }
 
 impl From<Instants> for Tiers {
@@ -126,6 +129,7 @@ impl Tiers {
             mainlobe,
             sidelobe: sidelobe.and_then(|sidelobe| mainlobe.sidelobe(sidelobe.epochs)),
             below_db,
+            between: None,
         }
     }
 

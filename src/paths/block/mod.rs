@@ -38,6 +38,7 @@
 //! | part, mechanism | the Bragg or the specular part of the scattering, each turned by a phasor of its own |
 //! | bin | a frequency of a transform |
 
+mod bandwidth;
 mod factor;
 mod gain;
 mod instants;
@@ -50,6 +51,7 @@ pub mod runs;
 pub mod probe;
 mod shadows;
 mod slow_time;
+mod supports;
 mod tile;
 mod timing;
 mod travelling;
@@ -84,6 +86,8 @@ use phasors::Phasors;
 use runs::{Cut, Run};
 use shadows::{Heights, Maker, ShadowWeights};
 pub use slow_time::SlowTime;
+use supports::SupportSets;
+pub use supports::{Supports, TAPS};
 pub use tile::{Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of, layers_of};
 use timing::Timings;
 use travelling::Part;
@@ -148,6 +152,8 @@ pub struct TileWork {
     drop_m: [f64; LANES],
     fall: [Row; 2],
     kinds: Vec<(usize, f32)>,
+    /// Share of its power that a tile may lack at supports alone; `None` where every pulse is evaluated.
+    supports_within: Option<f64>,
     /// Whether facets that return nothing stay where they are.
     whole: bool,
     /// Facets of the tile that may return something, by their place in it.
@@ -330,6 +336,7 @@ impl SeaPlan {
             drop_m: [0.0; LANES],
             fall: [[0.0; LANES]; 2],
             kinds: Vec::with_capacity(LANES),
+            supports_within: None,
             whole: false,
             kept: Vec::with_capacity(LANES),
             slopes: [[[0.0; LANES]; 2]; NODES],
@@ -345,6 +352,8 @@ impl SeaPlan {
                 interval_s,
                 pairs: channels.iter().map(|groups| Pair::new(groups)).collect(),
                 slow: SlowTime::default(),
+                supports: SupportSets::default(),
+                chosen: None,
             },
         })
     }
@@ -383,6 +392,11 @@ impl TileWork {
         }
         of.slow_time(mainlobe.first, mainlobe.pulses, &mut self.tile.slow);
         self.timings.mainlobe.set(of, mainlobe, places, &self.tile.slow)?;
+        self.supports_within = tiers.between;
+        match tiers.between {
+            Some(loss) => self.tile.supports.set(mainlobe.pulses, loss, &self.tile.slow),
+            None => self.tile.supports.clear(),
+        }
         self.sidelobe_below.clear();
         if let Some(sidelobe) = &tiers.sidelobe {
             self.timings.sidelobe.set(of, sidelobe, places, &self.tile.slow)?;

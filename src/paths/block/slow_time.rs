@@ -22,6 +22,12 @@ impl SlowTime {
         &self.at
     }
 
+    /// Of pulses at these times.
+    #[cfg(test)]
+    pub(super) fn of(at: Vec<f64>) -> Self {
+        Self { at }
+    }
+
     /// Makes all intervals equal.
     pub fn level(&mut self) {
         self.at.clear();

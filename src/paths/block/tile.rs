@@ -7,6 +7,7 @@ use num_complex::Complex32;
 
 use super::instants::{Instants, Tier};
 use super::slow_time::SlowTime;
+use super::supports::{SupportSets, Supports};
 use super::{Sample, Tally};
 use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{LANES, Paths, Row, lanes_for};
@@ -50,6 +51,10 @@ pub struct Tile {
     pub interval_s: f64,
     /// When its pulses are.
     pub slow: SlowTime,
+    /// At which pulses tiles of this block may be evaluated alone.
+    pub(super) supports: SupportSets,
+    /// Which of these this one has; `None`: it is evaluated at every pulse.
+    pub(super) chosen: Option<usize>,
     /// Per transmitter-receiver pair.
     pub pairs: Vec<Pair>,
 }
@@ -188,9 +193,9 @@ pub struct Pair {
     /// The same of scattering epochs.
     pub(super) epochs: Vec<Epoch>,
     pub(super) epoch_count: usize,
-    /// Per pulse: what multiplies the amplitudes.
+    /// Per pulse, or support where the tile has any: what multiplies the amplitudes.
     pub factor: Vec<Row>,
-    /// Per pulse, real and imaginary: what turns Bragg waves that travel; empty where they do not.
+    /// As often, real and imaginary: what turns Bragg waves that travel; empty where they do not.
     pub turned: Vec<[TurnedRow; 2]>,
     layers: Vec<Vec<usize>>,
 }
@@ -301,6 +306,39 @@ impl Task for Bounds<'_> {
 }
 
 impl Tile {
+    /// Phase about which it turns over a pair at every pulse of the block, turns: that of the middle of its
+    /// Doppler, from the first pulse on.
+    pub fn middle_turns(&self, pair: usize, carrier_hz: f64, out: &mut Vec<f64>) {
+        let (pair, nodes) = (&self.pairs[pair], &self.instants.nodes[..self.instants.node_count]);
+        let middle = |[least, most]: [f64; 2]| 0.5 * (least + most);
+        out.clear();
+        let mut before = 0.0;
+        for n in 0..nodes.len() {
+            let Some(next) = nodes.get(n + 1) else { continue };
+            let [from, to] = [self.slow.at(nodes[n]), self.slow.at(*next)];
+            let half_s = 0.5 * (to - from) * self.interval_s;
+            let span = |node, half| middle(pair.rate_span(self.count, node, half, 2.0 * half_s));
+            // Straight from the node to half-way, and from there to the next.
+            let rates = [span(n, false), span(n, true), span(n + 1, false)];
+            let delay_s = |x: f64| {
+                let (a, b) = (x.min(1.0), (x - 1.0).max(0.0));
+                let first = a * (rates[0] + 0.5 * a * (rates[1] - rates[0]));
+                half_s * (first + b * (rates[1] + 0.5 * b * (rates[2] - rates[1])))
+            };
+            let end = if n + 2 == nodes.len() { self.instants.pulses } else { *next };
+            for pulse in nodes[n]..end {
+                let x = 2.0 * (self.slow.at(pulse) - from) / (to - from);
+                out.push(before - carrier_hz * delay_s(x));
+            }
+            before -= carrier_hz * delay_s(2.0);
+        }
+    }
+
+    /// The pulses at which it was evaluated, where these are not all.
+    pub fn supports(&self) -> Option<&Supports> {
+        self.chosen.and_then(|chosen| self.supports.get(chosen))
+    }
+
     /// Leaves out facets that add nothing to the echo.
     pub(super) fn thin_out(&mut self, variant: Variant, samples: &[Sample], least: f64, tally: &mut Tally) {
         let mut wanted = [false; LANES];
@@ -368,6 +406,8 @@ mod tests {
                 instants,
                 interval_s: 1.0,
                 slow: SlowTime::default(),
+                supports: SupportSets::default(),
+                chosen: None,
                 pairs,
             };
             let mut tally = Tally::default();

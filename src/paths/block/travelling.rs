@@ -47,7 +47,7 @@ impl Part {
         }
     }
 
-    fn mechanism(self) -> Option<Mechanism> {
+    pub fn mechanism(self) -> Option<Mechanism> {
         match self {
             Self::Still | Self::Forgetting(_) => None,
             Self::Bragg => Some(Mechanism::Bragg),
@@ -106,7 +106,8 @@ impl PathGenerator {
         turned.resize(factor.len(), [[0.0; TURNED_LANES]; 2]);
         turns.resize(factor.len(), [[0.0; GROUP]; 2]);
         let ends = [&*paths[0].paths, &*paths[*node_count - 1].paths];
-        let uneven = tile.slow.uneven();
+        let supports = tile.chosen.and_then(|chosen| tile.supports.get(chosen));
+        let uneven = supports.map_or(tile.slow.uneven(), |own| own.at());
         let times = Times { first_s: nodes[timing.nodes[0]].elapsed_s, interval_s: tile.interval_s, uneven };
         for from in (0..tile.count).step_by(GROUP) {
             let keys = &keys[from..tile.count.min(from + GROUP)];
