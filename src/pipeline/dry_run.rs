@@ -49,6 +49,8 @@ const CLOSER_DB: f64 = 3.0;
 const MORE_DB: f64 = 1.0;
 /// Pulses before and after one that show the level of errors there.
 const NEIGHBOURS: usize = 2;
+/// No tail is taken to be lighter than this: the top of a level lies between the pulses made.
+const LIGHTEST_TAIL: f64 = 0.2;
 /// Heavier tails than this mean that too few pulses were made to know.
 const HEAVIEST_TAIL: f64 = 1.5;
 
@@ -255,7 +257,7 @@ fn worst_of_run(errors: &[f64], of: Option<u64>) -> f64 {
         return worst;
     }
     let index = above[..tail].iter().map(|above| (above / least).ln()).sum::<f64>() / tail as f64;
-    worst * (pulses as f64 / errors.len() as f64).max(1.0).powf(index.min(HEAVIEST_TAIL))
+    worst * (pulses as f64 / errors.len() as f64).max(1.0).powf(index.clamp(LIGHTEST_TAIL, HEAVIEST_TAIL))
 }
 
 /// An error over the largest of its neighbours; `None` where these are 0.
@@ -280,7 +282,7 @@ mod tests {
         let found = worst_of_run(&errors, Some(20_000)) / most;
         assert!((6.0..17.0).contains(&found), "{found}");
         // All alike, none, nothing.
-        assert_eq!(worst_of_run(&[2.0; 50], Some(1000)), 2.0);
+        assert_eq!(worst_of_run(&[2.0; 50], Some(1000)), 2.0 * 20f64.powf(LIGHTEST_TAIL));
         assert_eq!((worst_of_run(&[0.0; 50], Some(1000)), worst_of_run(&[], Some(9))), (0.0, 0.0));
     }
 
