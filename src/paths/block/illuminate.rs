@@ -435,17 +435,18 @@ impl PathGenerator {
         ];
         let Epoch { layers, power, .. } = out;
         power.fill(0.0);
+        let mut in_rain = plan.link.lanes_in_rain().map(|rain| (rain, [[0.0; LANES]; CHANNELS_PER_LAYER]));
         for layer in layers {
+            let channels = layer.channels().iter().map(|channel| plan.channels[*channel]);
             let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
             let mut scales = [scale; CHANNELS_PER_LAYER];
-            let mut in_rain = [[0.0; LANES]; CHANNELS_PER_LAYER];
-            let rows = in_rain.iter_mut().zip(&mut scales);
-            for ((&channel, port), (row, own)) in layer.channels().iter().zip(&mut ports).zip(rows) {
-                let (_, tx_port, rx_port) = plan.channels[channel];
+            for ((_, tx_port, rx_port), port) in channels.clone().zip(&mut ports) {
                 *port = port_products([tx_port, rx_port], isolations_db);
-                if let Some(rain) = plan.link.lanes_in_rain() {
-                    let ports = [tx_port, rx_port];
-                    variant.run(InRain { rain, ports, view, scale, count: batch.count, out: row });
+            }
+            if let Some((rain, rows)) = &mut in_rain {
+                for (((_, tx_port, rx_port), row), own) in channels.zip(rows).zip(&mut scales) {
+                    let (ports, count) = ([tx_port, rx_port], batch.count);
+                    variant.run(InRain { rain: *rain, ports, view, scale, count, out: row });
                     *own = row;
                 }
             }
