@@ -7,12 +7,13 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use super::{Adequacy, SeaWarning, View};
+use super::{Adequacy, SeaWarning, lattice};
 use crate::pipeline::fault::{BuildError, BuildErrors};
+use crate::pipeline::prepared::Prepared;
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
 use crate::scene::mesh;
 use crate::scene::ship::{ShipMotion, UpAxis};
-use crate::scene::{Patch, Ship};
+use crate::scene::{Patch, Sea, Ship};
 use crate::sea::fleet::{self, FleetError, ShipError};
 use crate::sea::seakeeping::Seakeeping;
 use crate::sea::wake::kochin::{Kochin, Transom};
@@ -166,12 +167,11 @@ fn furthest_particular(hull: &Hull) -> Option<(&'static str, f64)> {
     .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
 
-/// Adds ships to an adequacy; `instants` are views of the patch.
-pub(super) fn ships(instants: &[View<'_>], adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
-    let Some(first) = instants.first() else { return Ok(()) };
-    let facet_m = first.sea.patch.facet_m;
+/// Adds ships to an adequacy.
+pub(super) fn ships(prepared: &Prepared, sea: &Sea, adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
+    let facet_m = sea.patch.facet_m;
     let mut faults = Vec::new();
-    for ship in &first.scene.ships {
+    for ship in &prepared.scene().ships {
         match ShipOutlook::of(ship, facet_m) {
             Ok(found) => {
                 adequacy.warnings.extend(found.warning(ship, facet_m));
@@ -180,7 +180,7 @@ pub(super) fn ships(instants: &[View<'_>], adequacy: &mut Adequacy) -> Result<()
                 }
                 let mesh = found.superstructure_m;
                 adequacy.warnings.extend(mesh.and_then(|mesh| mesh_warning(ship, found.length_m, mesh)));
-                adequacy.warnings.extend(outside(ship, found.length_m, instants)?);
+                adequacy.warnings.extend(outside(ship, found.length_m, prepared, sea)?);
                 adequacy.ships.push(found);
             }
             Err(fault) => faults.push(BuildError::Ship(fault)),
@@ -190,17 +190,21 @@ pub(super) fn ships(instants: &[View<'_>], adequacy: &mut Adequacy) -> Result<()
 }
 
 /// A ship that is never on the patch, and whether its wake is.
-fn outside(ship: &Ship, length_m: f64, instants: &[View<'_>]) -> Result<Option<SeaWarning>, BuildErrors> {
+fn outside(
+    ship: &Ship,
+    length_m: f64,
+    prepared: &Prepared,
+    sea: &Sea,
+) -> Result<Option<SeaWarning>, BuildErrors> {
     let course = fleet::course(ship);
     let mut reached = false;
-    for view in instants {
-        let patch = view.patch()?;
-        let time_s = view.scene.radar.emissions.interval_s(0, view.pulse);
-        let pose = course.pose(time_s);
+    for at in prepared.spread(3) {
+        let patch = at.patch(sea)?;
+        let pose = course.pose(at.elapsed_s);
         if holds(&patch, pose.position_m) {
             return Ok(None);
         }
-        reached |= view.lattice(&patch).iter().any(|point| {
+        reached |= lattice(at.scene(), &patch).iter().any(|point| {
             let [x_m, y_m, _] = point.to_array();
             let [astern_m, starboard_m] = pose.astern_starboard_m([x_m, y_m]);
             let behind_m = astern_m + 0.5 * length_m;

@@ -64,12 +64,13 @@ impl Assessment {
     fn predict(&mut self, run: &Run) -> Result<(), BuildErrors> {
         let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
         let stream = build::on_nominal_tracks(&unrecorded, 0..run.scene.pulses)?;
-        for note in stream.notes() {
+        let prepared = stream.prepared();
+        for note in prepared.notes() {
             let what = format!("{}, {} track", note.platform, note.role);
             self.tracks.push(described(&what, note.report.to_string()));
         }
-        self.link = Some(link_budget(run)?);
-        self.sea = adequacy(run)?;
+        self.link = Some(link_budget(prepared)?);
+        self.sea = adequacy(prepared)?;
         if let Some(sea) = &mut self.sea {
             sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;
             let strong = sea.edge_db.filter(|edge| *edge > EDGE_BUDGET_DB);
@@ -77,7 +78,7 @@ impl Assessment {
         }
         self.warnings.extend(hidden_targets::warnings(&stream).map_err(BuildErrors::from)?);
         self.warnings.extend(self.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
-        self.warnings.extend(polarisation(run)?.iter().map(ToString::to_string));
+        self.warnings.extend(polarisation(prepared)?.iter().map(ToString::to_string));
         self.plan(run, &stream);
         if let Some(dem) = stream.factory().dem()
             && let Some(row) = self.models.with.iter_mut().find(|row| row.what == LAND)
@@ -92,7 +93,7 @@ impl Assessment {
                 row.how += &format!(": {} would make more than {} at some pulse", drops::DROPS, drops::MOST);
             }
         }
-        self.warnings.extend(plausible::geometry(run)?.iter().map(ToString::to_string));
+        self.warnings.extend(plausible::geometry(prepared)?.iter().map(ToString::to_string));
         let resources = stream.resources(&run.scene.radar).map_err(BuildErrors::from)?;
         let levels = resources.converter.iter().flat_map(|converter| converter.warnings());
         self.warnings.extend(levels.map(|warning| warning.to_string()));

@@ -78,17 +78,18 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let page = run.monitor.as_deref().map(Page::at).transpose()?;
     let first = pulses.start;
     let stream = build::stream(&run, pulses)?;
-    let nominal = stream.nominal().unwrap_or(&run);
-    warn(adequacy(nominal)?.iter().flat_map(|sea| &sea.warnings));
-    let mut physics: Vec<PhysicsWarning> = plausible::geometry(nominal)?;
+    let prepared = Arc::clone(stream.prepared());
+    let nominal = prepared.run();
+    warn(adequacy(&prepared)?.iter().flat_map(|sea| &sea.warnings));
+    let mut physics: Vec<PhysicsWarning> = plausible::geometry(&prepared)?;
     warn(&physics);
-    for note in stream.notes() {
+    for note in prepared.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
     }
     let stop = stop_on_ctrl_c(true)?;
     let (status, watcher) = progress::watch();
     let live = stream.live_navigation();
-    if let (Some(live), Some(nominal)) = (&live, stream.nominal()) {
+    if let Some(live) = &live {
         let first = nominal.scene.radar.emissions.emission(nominal.scene.start, stream.schedule().first);
         live.standing(first).for_each(say);
     }

@@ -10,19 +10,14 @@
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::config::Run;
 use crate::frames::{Enu, Point};
-use crate::motion::PlatformTracks;
-use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::nav::{FileFormat, TrackSource};
 use crate::pipeline::fault::{BuildError, BuildErrors};
-use crate::pipeline::tracks::tracks;
+use crate::pipeline::prepared::{Moment, Prepared};
 use crate::pulse::converter::Level;
-use crate::radar::waveform;
+use crate::radar::fault::mounts;
 use crate::radar::window::Window;
-use crate::scene::Scene;
-use crate::scene::radar::{Aim, AntennaMount, Gate, Radar, Waveform};
-use crate::time::TimeTag;
+use crate::scene::radar::{Radar, Waveform};
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Pulses of a run at which geometry is taken.
@@ -133,53 +128,27 @@ fn outside_text(outside: &[TargetOutsideWindow], targets: usize) -> String {
     format!("{many}: {}", named.join(", "))
 }
 
-/// Pulses spread over a run, `most` at most, its ends among them.
-pub(crate) fn instants(scene: &Scene, most: u64) -> Vec<u64> {
-    let last = scene.pulses.saturating_sub(1);
-    let count = most.min(scene.pulses);
-    // In 128 bits: pulses of long runs times the instants.
-    let at = |step: u64| (u128::from(last) * u128::from(step) / u128::from((count - 1).max(1))) as u64;
-    (0..count).map(at).collect()
-}
-
-fn emission(scene: &Scene, pulse: u64) -> TimeTag {
-    scene.start.plus(scene.radar.emissions.interval_s(0, pulse))
-}
-
-fn antennas(radar: &Radar) -> impl Iterator<Item = (&String, &AntennaMount)> {
-    let transmitters = radar.transmitters.iter().map(|tx| (&tx.name, &tx.antenna));
-    transmitters.chain(radar.receivers.iter().map(|rx| (&rx.name, &rx.antenna)))
-}
-
-fn phase_centre(tracks: &[PlatformTracks], mount: &AntennaMount, time: TimeTag) -> Option<Point<Enu>> {
-    let state = tracks[mount.platform].truth.state(time).ok()?;
-    Some(PhaseCentre::of(&state, mount.lever_arm).position)
-}
-
 /// What cannot be, once the tracks are known. A live platform is left out: its trajectory is only nominal.
-pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
-    let scene = &run.scene;
+pub(super) fn faults(prepared: &Prepared) -> Vec<BuildError> {
+    let scene = prepared.scene();
     let mut faults = Vec::new();
-    for (antenna, mount) in antennas(&scene.radar) {
-        if matches!(run.nav[mount.platform].truth, TrackSource::Live(_)) {
+    for (antenna, mount) in mounts(&scene.radar) {
+        if matches!(prepared.run().nav[mount.platform].truth, TrackSource::Live(_)) {
             continue;
         }
-        let depth = |pulse: u64| {
+        let depth = |at: Moment<'_>| {
             // A track that ends early is reported by who needs it.
-            let [x_m, y_m, z_m] = phase_centre(tracks, mount, emission(scene, pulse))?.to_array();
-            Some((-z_m - scene.frame.earth().drop_m(x_m, y_m), pulse))
+            let [x_m, y_m, z_m] = at.phase_centre(mount).ok()?.position.to_array();
+            Some((-z_m - scene.frame.earth().drop_m(x_m, y_m), at.pulse))
         };
-        let deepest =
-            instants(scene, INSTANTS).into_iter().filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0));
+        let deepest = prepared.spread(INSTANTS).filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((depth_m, pulse)) = deepest.filter(|(depth_m, _)| *depth_m > ROUNDING_M) {
-            let platform = scene.platforms[mount.platform].clone();
-            let swapped = swapped(scene, &tracks[mount.platform], &platform).is_some();
-            faults.push(BuildError::BelowSea { antenna: antenna.clone(), platform, depth_m, pulse, swapped });
+            let swapped = swapped(prepared, mount.platform).is_some();
+            let (antenna, platform) = (antenna.to_owned(), scene.platforms[mount.platform].clone());
+            faults.push(BuildError::BelowSea { antenna, platform, depth_m, pulse, swapped });
         }
     }
-    if let (Waveform::Samples { path, .. }, Ok(waveform)) =
-        (&scene.radar.waveform, waveform::from_description(&scene.radar.waveform))
-    {
+    if let (Waveform::Samples { path, .. }, Ok(waveform)) = (&scene.radar.waveform, prepared.waveform()) {
         let (pulse_s, pri_s) = (waveform.duration_s(), scene.radar.emissions.shortest_pri_s());
         if pulse_s > pri_s * (1.0 + 1e-9) {
             faults.push(BuildError::LongPulse {
@@ -195,43 +164,38 @@ pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
 /// What is suspicious of where platforms and targets are.
 ///
 /// # Errors
-/// Tracks that cannot be loaded.
-pub fn geometry(run: &Run) -> Result<Vec<PhysicsWarning>, BuildErrors> {
-    let scene = &run.scene;
-    let recorded = run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::File(_)));
-    if scene.targets.is_empty() && !recorded {
-        return Ok(Vec::new());
-    }
-    let (tracks, _) = tracks(&run.nav, scene)?;
+/// A waveform that cannot be read.
+pub fn geometry(prepared: &Prepared) -> Result<Vec<PhysicsWarning>, BuildErrors> {
     let mut warnings = Vec::new();
-    for ((nav, track), platform) in run.nav.iter().zip(&tracks).zip(&scene.platforms) {
+    for (platform, nav) in prepared.run().nav.iter().enumerate() {
         if let TrackSource::File(source) = &nav.truth {
-            warnings.extend(swapped(scene, track, platform));
+            warnings.extend(swapped(prepared, platform));
             if source.format == FileFormat::Csv {
-                warnings.extend(in_radians(scene, track, platform));
+                warnings.extend(in_radians(prepared, platform));
             }
         }
     }
-    warnings.extend(targets(run, &tracks)?);
+    warnings.extend(targets(prepared)?);
     Ok(warnings)
 }
 
 /// A track whose latitude and longitude look swapped.
-fn swapped(scene: &Scene, track: &PlatformTracks, platform: &str) -> Option<PhysicsWarning> {
-    let state = track.truth.state(scene.start).ok()?;
+fn swapped(prepared: &Prepared, platform: usize) -> Option<PhysicsWarning> {
+    let scene = prepared.scene();
+    let state = prepared.tracks()[platform].truth.state(scene.start).ok()?;
     let at = scene.frame.to_geodetic(state.position)?;
     at.looks_swapped(scene.frame.origin()?).then(|| PhysicsWarning::Swapped {
-        platform: platform.to_owned(),
+        platform: scene.platforms[platform].clone(),
         lat_deg: at.lat_rad.to_degrees(),
         lon_deg: at.lon_rad.to_degrees(),
     })
 }
 
 /// A track whose yaw, which is read in degrees, follows its course if it is taken in radians.
-fn in_radians(scene: &Scene, track: &PlatformTracks, platform: &str) -> Option<PhysicsWarning> {
+fn in_radians(prepared: &Prepared, platform: usize) -> Option<PhysicsWarning> {
     let (mut greatest, mut off_deg, mut count) = (0.0f64, [0.0; 2], 0);
-    for pulse in instants(scene, INSTANTS) {
-        let state = track.truth.state(emission(scene, pulse)).ok()?;
+    for at in prepared.spread(INSTANTS) {
+        let state = prepared.tracks()[platform].truth.state(at.time).ok()?;
         let [east, north, _] = state.velocity.to_array();
         if east.hypot(north) < LEAST_WAY_MPS {
             continue;
@@ -247,7 +211,8 @@ fn in_radians(scene: &Scene, track: &PlatformTracks, platform: &str) -> Option<P
     }
     let [read_deg, radians_deg] = off_deg.map(|sum| sum / f64::from(count.max(1)));
     let odd = count > 0 && greatest <= std::f64::consts::TAU + 1e-3 && read_deg > 30.0 && radians_deg < 20.0;
-    odd.then(|| PhysicsWarning::YawInRadians { platform: platform.to_owned(), off_deg: read_deg })
+    let platform = prepared.scene().platforms[platform].clone();
+    odd.then_some(PhysicsWarning::YawInRadians { platform, off_deg: read_deg })
 }
 
 /// An angle within half a turn, degrees.
@@ -256,31 +221,22 @@ fn turn_deg(angle_deg: f64) -> f64 {
 }
 
 /// Targets whose whole echo lies in no window, at none of the pulses evaluated and in no pair of antennas.
-fn targets(run: &Run, tracks: &[PlatformTracks]) -> Result<Option<PhysicsWarning>, BuildErrors> {
-    let scene = &run.scene;
+fn targets(prepared: &Prepared) -> Result<Option<PhysicsWarning>, BuildErrors> {
+    let scene = prepared.scene();
     if scene.targets.is_empty() {
         return Ok(None);
     }
-    let pulse_s = waveform::from_description(&scene.radar.waveform)?.duration_s();
+    let pulse_s = prepared.waveform()?.duration_s();
     let radar = &scene.radar;
     let window_s = radar.window.samples as f64 / radar.sample_rate_hz;
     let interval_s = 1.0 / radar.emissions.mean_prf_hz();
     let pairs = radar.pairs();
     // Distance from the window, echo and window of the nearest approach.
     let mut nearest: Vec<Option<(f64, f64, f64)>> = vec![None; scene.targets.len()];
-    for pulse in instants(scene, INSTANTS) {
-        let time = emission(scene, pulse);
-        let end = |mount: &AntennaMount| phase_centre(tracks, mount, time);
-        let ends: Vec<[Point<Enu>; 2]> = pairs
-            .iter()
-            .filter_map(|pair| {
-                let transmitter = end(&radar.transmitters[pair.transmitter].antenna)?;
-                Some([transmitter, end(&radar.receivers[pair.receiver].antenna)?])
-            })
-            .collect();
-        let Some(first) = ends.first() else { continue };
-        let Some(opens_s) = opens_s(run, tracks, first, time) else { continue };
-        let since_s = time.since(scene.start);
+    for at in prepared.spread(INSTANTS) {
+        let ends: Vec<[Point<Enu>; 2]> = pairs.iter().filter_map(|pair| at.ends(*pair).ok()).collect();
+        let Some(Ok(opens_s)) = ends.first().map(|first| at.opens_s(first)) else { continue };
+        let since_s = at.time.since(scene.start);
         for (target, nearest) in scene.targets.iter().zip(&mut nearest) {
             let place = target.position + target.velocity * since_s;
             for ends in &ends {
@@ -316,20 +272,6 @@ fn targets(run: &Run, tracks: &[PlatformTracks]) -> Result<Option<PhysicsWarning
         .collect();
     let targets = scene.targets.len();
     Ok((!outside.is_empty()).then_some(PhysicsWarning::OutsideWindow { outside, targets }))
-}
-
-/// When the window opens after an emission.
-fn opens_s(run: &Run, tracks: &[PlatformTracks], ends: &[Point<Enu>; 2], time: TimeTag) -> Option<f64> {
-    match &run.scene.radar.window.gate {
-        Gate::Fixed { start_s } => Some(*start_s),
-        Gate::Follow { aim, lead_s, aim_from } => {
-            let aim: &Aim = aim;
-            let around = Surroundings { tracks, frame: &run.scene.frame, start: run.scene.start };
-            let (point, _) = around.aim_point(aim, *aim_from, time).ok()?;
-            let path_m: f64 = ends.iter().map(|end| (*end - point).norm()).sum();
-            Some(path_m / SPEED_OF_LIGHT_MPS - lead_s)
-        }
-    }
 }
 
 /// What the converter was fed with.
