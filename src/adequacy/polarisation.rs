@@ -5,7 +5,6 @@
 //! the first, middle and last pulse, where the gain of the antenna lies within [`USED_DB`] of its peak.
 
 use glam::DVec3;
-use thiserror::Error;
 
 use super::lattice;
 use super::link_budget::open_all;
@@ -26,54 +25,16 @@ pub const WIDEST_DEG: f64 = 60.0;
 /// Angle to the vertical within which H and V of an isotropic antenna turn quickly with the azimuth, degrees.
 pub const OVERHEAD_DEG: f64 = 10.0;
 
-/// An antenna that is used where its polarisation basis is ill-defined.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum PolarisationWarning {
-    /// Far off the boresight.
-    #[error(
-        "\"{antenna}\" is used {off_deg:.0} degrees off its boresight at pulse {pulse} (towards {towards}), less than {USED_DB} dB \
-         below its peak gain: beyond {WIDEST_DEG} degrees H and V by Ludwig's third definition are not those of a real antenna; \
-         point it there"
-    )]
-    FarOff {
-        /// The transmitter or receiver.
-        antenna: String,
-        /// Largest angle, degrees.
-        off_deg: f64,
-        /// The pulse.
-        pulse: u64,
-        /// What lies there.
-        towards: String,
-    },
-    /// Overhead or beneath.
-    #[error(
-        "isotropic antenna \"{antenna}\" is used {off_deg:.1} degrees from the vertical at pulse {pulse} (towards {towards}): within \
-         {OVERHEAD_DEG} degrees its H and V turn with the azimuth, and straight up and down they have no limit; an aperture \
-         that points there has"
-    )]
-    Overhead {
-        /// The transmitter or receiver.
-        antenna: String,
-        /// Least angle to the vertical, degrees.
-        off_deg: f64,
-        /// The pulse.
-        pulse: u64,
-        /// What lies there.
-        towards: String,
-    },
-}
-
 /// What is worth knowing of the polarisation bases of a run: of each antenna the worst direction.
 ///
 /// # Errors
 /// Patterns that cannot be read, tracks that end before the run.
-pub fn polarisation(prepared: &Prepared) -> Result<Vec<PolarisationWarning>, BuildErrors> {
+pub fn polarisation(prepared: &Prepared) -> Result<Vec<String>, BuildErrors> {
     let scene = prepared.scene();
     let antennas = open_all(&scene.radar)?;
     let mut warnings = Vec::new();
     for (place, ((name, mount), antenna)) in mounts(&scene.radar).zip(&antennas).enumerate() {
-        let mut worst: Option<(f64, PolarisationWarning)> = None;
+        let mut worst: Option<(f64, String)> = None;
         for at in prepared.spread(3) {
             let (PhaseCentre { position: own, .. }, frame) = at.antenna(mount)?;
             let up = scene.frame.earth().up(own).raw();
@@ -83,14 +44,18 @@ pub fn polarisation(prepared: &Prepared) -> Result<Vec<PolarisationWarning>, Bui
                 let found = judge(antenna, mount, in_frame.raw(), d, up);
                 let Some((badness, off_deg)) = found else { continue };
                 if worst.as_ref().is_none_or(|(known, _)| badness > *known) {
-                    let (antenna, pulse) = (name.to_owned(), at.pulse);
+                    let pulse = at.pulse;
                     let warning = match PolarisationBasis::of(&mount.pattern) {
-                        PolarisationBasis::Ludwig3 => {
-                            PolarisationWarning::FarOff { antenna, off_deg, pulse, towards }
-                        }
-                        PolarisationBasis::LocalHorizontal => {
-                            PolarisationWarning::Overhead { antenna, off_deg, pulse, towards }
-                        }
+                        PolarisationBasis::Ludwig3 => format!(
+                            "\"{name}\" is used {off_deg:.0} degrees off its boresight at pulse {pulse} (towards {towards}), less than {USED_DB} dB \
+                             below its peak gain: beyond {WIDEST_DEG} degrees H and V by Ludwig's third definition are not those of a real antenna; \
+                             point it there"
+                        ),
+                        PolarisationBasis::LocalHorizontal => format!(
+                            "isotropic antenna \"{name}\" is used {off_deg:.1} degrees from the vertical at pulse {pulse} (towards {towards}): within \
+                             {OVERHEAD_DEG} degrees its H and V turn with the azimuth, and straight up and down they have no limit; an aperture \
+                             that points there has"
+                        ),
                     };
                     worst = Some((badness, warning));
                 }

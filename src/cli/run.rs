@@ -19,7 +19,7 @@ use crate::nav::{AttitudeSource, TrackSource};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::control_lines::{ControlSocket, Subject};
 use crate::pipeline::live::FlightReport;
-use crate::pipeline::plausible::{self, ChannelReport, ConverterReport, PhysicsWarning};
+use crate::pipeline::plausible::{self, ChannelReport, ConverterReport};
 use crate::pulse::log::Entry;
 use crate::recording::shard::Shard;
 use crate::sinks::redirection::redirect;
@@ -81,7 +81,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let prepared = Arc::clone(stream.prepared());
     let nominal = prepared.run();
     warn(adequacy(&prepared)?.iter().flat_map(|sea| &sea.warnings));
-    let mut physics: Vec<PhysicsWarning> = plausible::geometry(&prepared)?;
+    let mut physics = plausible::geometry(&prepared)?;
     warn(&physics);
     for note in prepared.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
@@ -157,8 +157,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         add_navigation(&mut report, &run, &live.report(), &outcome);
     }
     let known = run.warnings.iter().map(ToString::to_string);
-    let warnings: Vec<String> =
-        known.chain(physics.iter().map(ToString::to_string)).chain(of_sinks).collect();
+    let warnings: Vec<String> = known.chain(physics).chain(of_sinks).collect();
     report.value("changes", &changes).value("warnings", warnings);
     report.value("error", outcome.result.as_ref().err().map(ToString::to_string));
     report.say(args.output.format.json, out)?;

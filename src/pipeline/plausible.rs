@@ -8,7 +8,6 @@
 //! needs no trajectory is evaluated when the scenario is read (`config::resolve`).
 
 use serde::Serialize;
-use thiserror::Error;
 
 use crate::frames::{Enu, Point};
 use crate::nav::{FileFormat, TrackSource};
@@ -30,103 +29,6 @@ const ROUNDING_M: f64 = 1e-6;
 const CLIPPED_SHARE: f64 = 1e-4;
 /// Slowest speed at which there is a course, m/s.
 const LEAST_WAY_MPS: f64 = 1.0;
-
-/// A target that no window receives, at the pulse at which it comes nearest to one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TargetOutsideWindow {
-    /// The target.
-    pub target: String,
-    /// Begin and end of its echo after the emission, us.
-    pub echo_us: [f64; 2],
-    /// Begin and end of the window, us.
-    pub window_us: [f64; 2],
-}
-
-/// Something legal about a run that can hardly be meant.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum PhysicsWarning {
-    /// Targets outside the window.
-    #[error("{}", outside_text(outside, *targets))]
-    OutsideWindow {
-        /// Those that no window receives.
-        outside: Vec<TargetOutsideWindow>,
-        /// All targets of the scene.
-        targets: usize,
-    },
-    /// A track that would be near with its coordinates exchanged.
-    #[error(
-        "{platform}: its track begins at {lat_deg:.4} deg, {lon_deg:.4} deg, far from the origin of the scene, and near it with \
-         latitude and longitude swapped"
-    )]
-    Swapped {
-        /// The platform.
-        platform: String,
-        /// Latitude, degrees.
-        lat_deg: f64,
-        /// Longitude, degrees.
-        lon_deg: f64,
-    },
-    /// Yaws in radians under the name of degrees.
-    #[error(
-        "{platform}: yaw is {off_deg:.0} deg off the course, and no more than 2 pi throughout: is yaw_deg in radians?"
-    )]
-    YawInRadians {
-        /// The platform.
-        platform: String,
-        /// Mean difference of yaw and course, degrees.
-        off_deg: f64,
-    },
-    /// A full scale that is too low.
-    #[error(
-        "channel {channel}: {saturated} of {samples} samples exceed the full scale of radar.adc, by up to {by_db:.1} dB: a \
-         full_scale_dbw of {full_scale_dbw:.1} would hold all of them"
-    )]
-    Clipping {
-        /// The channel.
-        channel: String,
-        /// Samples beyond full scale.
-        saturated: u64,
-        /// All samples.
-        samples: u64,
-        /// By how much, dB.
-        by_db: f64,
-        /// What would hold them, dBW.
-        full_scale_dbw: f64,
-    },
-    /// A full scale that is too high.
-    #[error(
-        "the strongest sample is {peak_lsb:.2} of a code: the full scale of radar.adc is above the signal by more than its \
-         {bits} bits hold; a full_scale_dbw of {full_scale_dbw:.1} would fill them"
-    )]
-    Unfilled {
-        /// The strongest sample of all channels, codes.
-        peak_lsb: f64,
-        /// Bits of the converter.
-        bits: u32,
-        /// What would fill them, dBW.
-        full_scale_dbw: f64,
-    },
-}
-
-fn outside_text(outside: &[TargetOutsideWindow], targets: usize) -> String {
-    let many = if outside.len() == targets {
-        "no target lies in the receive window".to_owned()
-    } else {
-        format!("{} of {targets} targets never lie in the receive window", outside.len())
-    };
-    let mut named: Vec<String> = outside
-        .iter()
-        .take(MOST_NAMED)
-        .map(|TargetOutsideWindow { target, echo_us: [from, to], window_us: [opens, closes] }| {
-            format!("{target} (echo {from:.2} to {to:.2} us after the emission, window {opens:.2} to {closes:.2} us)")
-        })
-        .collect();
-    if outside.len() > MOST_NAMED {
-        named.push(format!("{} more", outside.len() - MOST_NAMED));
-    }
-    format!("{many}: {}", named.join(", "))
-}
 
 /// What cannot be, once the tracks are known. A live platform is left out: its trajectory is only nominal.
 pub(super) fn faults(prepared: &Prepared) -> Vec<BuildError> {
@@ -165,7 +67,7 @@ pub(super) fn faults(prepared: &Prepared) -> Vec<BuildError> {
 ///
 /// # Errors
 /// A waveform that cannot be read.
-pub fn geometry(prepared: &Prepared) -> Result<Vec<PhysicsWarning>, BuildErrors> {
+pub fn geometry(prepared: &Prepared) -> Result<Vec<String>, BuildErrors> {
     let mut warnings = Vec::new();
     for (platform, nav) in prepared.run().nav.iter().enumerate() {
         if let TrackSource::File(source) = &nav.truth {
@@ -180,19 +82,23 @@ pub fn geometry(prepared: &Prepared) -> Result<Vec<PhysicsWarning>, BuildErrors>
 }
 
 /// A track whose latitude and longitude look swapped.
-fn swapped(prepared: &Prepared, platform: usize) -> Option<PhysicsWarning> {
+fn swapped(prepared: &Prepared, platform: usize) -> Option<String> {
     let scene = prepared.scene();
     let state = prepared.tracks()[platform].truth.state(scene.start).ok()?;
     let at = scene.frame.to_geodetic(state.position)?;
-    at.looks_swapped(scene.frame.origin()?).then(|| PhysicsWarning::Swapped {
-        platform: scene.platforms[platform].clone(),
-        lat_deg: at.lat_rad.to_degrees(),
-        lon_deg: at.lon_rad.to_degrees(),
+    at.looks_swapped(scene.frame.origin()?).then(|| {
+        format!(
+            "{}: its track begins at {:.4} deg, {:.4} deg, far from the origin of the scene, and near it with latitude and \
+             longitude swapped",
+            scene.platforms[platform],
+            at.lat_rad.to_degrees(),
+            at.lon_rad.to_degrees()
+        )
     })
 }
 
 /// A track whose yaw, which is read in degrees, follows its course if it is taken in radians.
-fn in_radians(prepared: &Prepared, platform: usize) -> Option<PhysicsWarning> {
+fn in_radians(prepared: &Prepared, platform: usize) -> Option<String> {
     let (mut greatest, mut off_deg, mut count) = (0.0f64, [0.0; 2], 0);
     for at in prepared.spread(INSTANTS) {
         let state = prepared.tracks()[platform].truth.state(at.time).ok()?;
@@ -211,8 +117,12 @@ fn in_radians(prepared: &Prepared, platform: usize) -> Option<PhysicsWarning> {
     }
     let [read_deg, radians_deg] = off_deg.map(|sum| sum / f64::from(count.max(1)));
     let odd = count > 0 && greatest <= std::f64::consts::TAU + 1e-3 && read_deg > 30.0 && radians_deg < 20.0;
-    let platform = prepared.scene().platforms[platform].clone();
-    odd.then_some(PhysicsWarning::YawInRadians { platform, off_deg: read_deg })
+    let platform = &prepared.scene().platforms[platform];
+    odd.then(|| {
+        format!(
+            "{platform}: yaw is {read_deg:.0} deg off the course, and no more than 2 pi throughout: is yaw_deg in radians?"
+        )
+    })
 }
 
 /// An angle within half a turn, degrees.
@@ -221,7 +131,7 @@ fn turn_deg(angle_deg: f64) -> f64 {
 }
 
 /// Targets whose whole echo lies in no window, at none of the pulses evaluated and in no pair of antennas.
-fn targets(prepared: &Prepared) -> Result<Option<PhysicsWarning>, BuildErrors> {
+fn targets(prepared: &Prepared) -> Result<Option<String>, BuildErrors> {
     let scene = prepared.scene();
     if scene.targets.is_empty() {
         return Ok(None);
@@ -256,22 +166,26 @@ fn targets(prepared: &Prepared) -> Result<Option<PhysicsWarning>, BuildErrors> {
             }
         }
     }
-    let us = |from_s: f64, to_s: f64| [from_s * 1e6, to_s * 1e6];
-    let outside: Vec<TargetOutsideWindow> = scene
+    let us = |from_s: f64, to_s: f64| format!("{:.2} to {:.2} us", from_s * 1e6, to_s * 1e6);
+    let mut outside: Vec<String> = scene
         .targets
         .iter()
         .zip(nearest)
         .filter_map(|(target, nearest)| {
             let (_, delay_s, opens_s) = nearest.filter(|(off_s, ..)| *off_s > 0.0)?;
-            Some(TargetOutsideWindow {
-                target: target.name.clone(),
-                echo_us: us(delay_s, delay_s + pulse_s),
-                window_us: us(opens_s, opens_s + window_s),
-            })
+            let (echo, window) = (us(delay_s, delay_s + pulse_s), us(opens_s, opens_s + window_s));
+            Some(format!("{} (echo {echo} after the emission, window {window})", target.name))
         })
         .collect();
-    let targets = scene.targets.len();
-    Ok((!outside.is_empty()).then_some(PhysicsWarning::OutsideWindow { outside, targets }))
+    let (missed, targets) = (outside.len(), scene.targets.len());
+    let many = if missed == targets {
+        "no target lies in the receive window".to_owned()
+    } else {
+        format!("{missed} of {targets} targets never lie in the receive window")
+    };
+    outside.truncate(MOST_NAMED);
+    outside.extend((missed > MOST_NAMED).then(|| format!("{} more", missed - MOST_NAMED)));
+    Ok((missed > 0).then(|| format!("{many}: {}", outside.join(", "))))
 }
 
 /// What the converter was fed with.
@@ -331,26 +245,34 @@ impl ConverterReport {
     }
 
     /// Where its full scale does not fit the signal.
-    pub fn warnings(&self) -> Vec<PhysicsWarning> {
+    pub fn warnings(&self) -> Vec<String> {
         let full_lsb = 2f64.powi(self.bits as i32 - 1);
         let holds_dbw = |peak_lsb: f64| self.full_scale_dbw + 20.0 * (peak_lsb / full_lsb).log10();
-        let mut warnings: Vec<PhysicsWarning> = self
+        let mut warnings: Vec<String> = self
             .channels
             .iter()
             .filter(|channel| channel.saturated as f64 > CLIPPED_SHARE * channel.samples as f64)
-            .map(|of| PhysicsWarning::Clipping {
-                channel: of.channel.clone(),
-                saturated: of.saturated,
-                samples: of.samples,
-                by_db: 20.0 * (of.peak_lsb / full_lsb).log10(),
-                full_scale_dbw: holds_dbw(of.peak_lsb),
+            .map(|of| {
+                format!(
+                    "channel {}: {} of {} samples exceed the full scale of radar.adc, by up to {:.1} dB: a full_scale_dbw of {:.1} \
+                     would hold all of them",
+                    of.channel,
+                    of.saturated,
+                    of.samples,
+                    20.0 * (of.peak_lsb / full_lsb).log10(),
+                    holds_dbw(of.peak_lsb)
+                )
             })
             .collect();
         let peak_lsb = self.channels.iter().map(|channel| channel.peak_lsb).fold(0.0, f64::max);
         // One bit codes signs, whatever the scale.
         if peak_lsb > 0.0 && peak_lsb < 1.0 && self.bits > 1 {
-            let (bits, full_scale_dbw) = (self.bits, holds_dbw(peak_lsb));
-            warnings.push(PhysicsWarning::Unfilled { peak_lsb, bits, full_scale_dbw });
+            warnings.push(format!(
+                "the strongest sample is {peak_lsb:.2} of a code: the full scale of radar.adc is above the signal by more than its \
+                 {} bits hold; a full_scale_dbw of {:.1} would fill them",
+                self.bits,
+                holds_dbw(peak_lsb)
+            ));
         }
         warnings
     }
