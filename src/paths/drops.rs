@@ -65,8 +65,10 @@ const COUNTED: u64 = 5;
 /// Half the side of the space that is split, m, and how often it is: boxes of 2 m.
 const HALF_M: f64 = 1_048_576.0;
 const DEEPEST: u32 = 60;
-/// Deviations of its velocity within which a point is looked for.
-const WITHIN: f64 = 4.0;
+/// Deviations of its velocity within which a point is looked for: one of a million is faster.
+const WITHIN: f64 = 5.5;
+/// What antennas turn while light crosses a box is small beside it, m.
+const MARGIN_M: f64 = 0.5;
 
 /// The rain of a run.
 #[derive(Clone, Debug)]
@@ -253,8 +255,7 @@ impl Search<'_> {
         }
         let from_middle_s = self.reception.elapsed_s - RainPlan::middle_s(self.slot);
         let middle = 0.5 * (low + high);
-        // What light time and its own velocity move a point is small beside these metres.
-        let margin_m = 5.0 + WITHIN * self.plan.spread_mps * SLOT_S;
+        let margin_m = MARGIN_M + WITHIN * self.plan.spread_mps * from_middle_s.abs();
         let radius_m = 0.5 * side_m.length() + margin_m;
         if !self.is_seen(middle + self.plan.drift_mps * from_middle_s, radius_m) {
             return true;
@@ -267,13 +268,13 @@ impl Search<'_> {
         let part = (self.slot as u64) << 8 | u64::from(cell.level);
         let mut rng = stream(self.plan.seed, Room::RainDrop, x << 42 | y << 21 | z, part);
         let [x, y, z, turns] = [(); 4].map(|()| rng.random::<f64>());
-        let own: [f64; 3] = [(); 3].map(|()| rng.sample(StandardNormal));
         let place = low + side_m * DVec3::new(x, y, z);
         // Where its life is half over decides, so that none appears or goes while it is seen.
         let height_m = place.z + self.of.frame.earth().drop_m(place.x, place.y);
         if !(0.0..self.plan.top_m).contains(&height_m) {
             return true;
         }
+        let own: [f64; 3] = [(); 3].map(|()| rng.sample(StandardNormal));
         let velocity = self.plan.drift_mps + self.plan.spread_mps * DVec3::from_array(own);
         let position = place + velocity * from_middle_s;
         if !self.is_seen(position, 0.0) {
