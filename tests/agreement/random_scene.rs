@@ -19,6 +19,9 @@ const SLOW_TIME: u64 = 0x510;
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
 const LEGAL_FACET_M: [f64; 2] = [1e-4, 1e5];
 
+/// Most from one update of the shadows to the next, ms.
+const LONGEST_UPDATE_MS: f64 = 60.0;
+
 /// A scenario file.
 pub struct RandomScene {
     /// Which kind of scene, for the list.
@@ -309,8 +312,10 @@ fn scene(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
     let Geometry { lasts_s, size_m, facet_m, own, .. } = geometry;
     line!(out, "[scene]\nduration_s = {lasts_s:?}\nseed = {}\nearth = \"flat\"", draw.0.next_u64() >> 40);
     line!(out, "patch_size_m = {size_m:?}\nfacet_m = {facet_m:?}");
-    if own.velocity_mps != [0.0; 3] && draw.chance(0.15) {
-        let [x, y, _] = own.velocity_mps;
+    let [x, y, _] = own.velocity_mps;
+    // Between two updates of its shadows a patch may move by 64 facets, some of them while it is held.
+    let moves = 1e-3 * LONGEST_UPDATE_MS * x.hypot(y) / facet_m;
+    if own.velocity_mps != [0.0; 3] && draw.chance(0.15) && moves < 32.0 {
         line!(out, "patch = \"follow\"");
         line!(
             out,
@@ -524,7 +529,7 @@ fn sea(draw: &mut Draw, slow: &mut Draw, extremes: Extremes, out: &mut String) {
             line("edge = \"sharp\"".to_owned());
         }
         if draw.chance(0.4) {
-            line(format!("update_ms = {:?}", draw.log(2.0, 60.0)));
+            line(format!("update_ms = {:?}", draw.log(2.0, LONGEST_UPDATE_MS)));
         }
     }
 }
