@@ -7,7 +7,6 @@
 #![allow(missing_docs, clippy::expect_used)]
 
 use std::hint::black_box;
-use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
@@ -127,7 +126,7 @@ fn scattering(c: &mut Criterion) {
     let sea = sea(64);
     let Realised { wind, spectrum, surface, .. } = realise(&sea, 1).expect("a sea");
     let sight = Sight { carrier_hz: 10e9, seed: 1 };
-    let water = WaterScattering::new(&sea, &wind, Arc::from(spectrum), &[], sight).expect("water");
+    let water = WaterScattering::new(&sea, &wind, spectrum, &[], sight).expect("water");
     let mut sheet = FacetSurface::new(&surface, Selection { slopes: true, ..Selection::HEIGHT });
     let mut fields = sheet.fields(&sea.patch);
     sheet.evaluate(1.0, &sea.patch, &mut fields).expect("a time");

@@ -172,7 +172,7 @@ pub fn adequacy(prepared: &Prepared) -> Result<Option<Adequacy>, BuildErrors> {
             let more = (facet_m / at_most_m).powi(2);
             adequacy.warnings.push(format!(
                 "{facets:.1} facets in a resolution cell of {ground_range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): \
-                 below {} its speckle is not Rayleigh's; scene.facet_m of at most {at_most_m} m would do, with {more:.1} times as many facets",
+                 below {} its speckle is not Rayleigh's; scene.facet_m of at most {at_most_m} would do, with {more:.1} times as many facets",
                 sampling::LEAST_FACETS_PER_CELL
             ));
         }

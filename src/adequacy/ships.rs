@@ -7,7 +7,6 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use super::description::ships::mesh_text;
 use super::{Adequacy, lattice};
 use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::pipeline::prepared::Prepared;
@@ -147,6 +146,14 @@ impl ShipOutlook {
         let name = &self.name;
         Some(format!("no waves of ship \"{name}\" on the map: the longest, {longest_m:.2} m, are {why}"))
     }
+}
+
+/// Extents of a mesh.
+pub(super) fn mesh_text([along, across, up]: [[f64; 2]; 3]) -> String {
+    format!(
+        "reaches from {:.1} to {:.1} m forward of midship, {:.1} to {:.1} m to port, {:.1} to {:.1} m up",
+        along[0], along[1], across[0], across[1], up[0], up[1]
+    )
 }
 
 /// What is odd of a superstructure on a hull of a length: it lies on its side, or is much larger than the

@@ -6,6 +6,7 @@
 pub(super) use crate::echo::synth::doppler::Doppler;
 pub(super) use crate::motion::errors::preset::Class;
 pub(super) use crate::motion::errors::{Between, Recorded};
+use crate::motion::gusts::LEVELS_MPS;
 pub(super) use crate::nav::{FileFormat, MotionBounds};
 pub(super) use crate::radar::clock::Oscillator;
 pub(super) use crate::scene::radar::{AimFrom, Sweep};
@@ -56,9 +57,17 @@ macro_rules! choices {
     };
 }
 
+/// Words that stand for a number, a flag or the like.
+macro_rules! values {
+    ($($choice:ident($of:ty) { $($word:literal = $value:expr),+ })*) => {
+        $(#[derive(Clone, Copy, Debug, PartialEq)]
+        pub(super) struct $choice(pub(super) $of);)*
+        words! { $($choice { $($word = Self($value)),+ })* }
+    };
+}
+
 choices! {
     Begin { Now = "now", Live = "live" }
-    EarthShape { Flat = "flat", Curved = "curved" }
     PatchKind { Fixed = "fixed", Follow = "follow" }
     AimKind { At = "at", Beside = "beside" }
     WaveformKind { Lfm = "lfm", File = "file" }
@@ -68,25 +77,17 @@ choices! {
     DatumKind { Ellipsoid = "ellipsoid", MeanSeaLevel = "msl", Barometric = "barometric" }
     AttitudeKind { Recorded = "recorded", CoordinatedTurn = "coordinated_turn", Level = "level", Constant = "constant" }
     SmoothingKind { Off = "off", Rts = "rts" }
-    GustLevel { Light = "light", Moderate = "moderate", Severe = "severe" }
     SpectrumName {
         Elfouhaily = "elfouhaily", ElfouhailyFungLee = "elfouhaily-fung-lee", FungLee = "fung-lee",
         PiersonMoskowitz = "pierson-moskowitz", Jonswap = "jonswap", Measured = "measured"
     }
     SpreadingLaw { Mitsuyasu = "mitsuyasu", Elfouhaily = "elfouhaily", Constant = "constant" }
-    SpectrumTail { Elfouhaily = "elfouhaily", None = "none" }
     BraggKind { Frozen = "frozen", Travelling = "travelling" }
     ModulationKind { Off = "off", Relaxation = "relaxation" }
     ShadowEdge { Soft = "soft", Sharp = "sharp" }
     SwellKind { Gaussian = "gaussian", Jonswap = "jonswap" }
-    Terrain {
-        Flat = "flat", Farmland = "farmland", RollingHills = "rolling-hills", WoodedHills = "wooded-hills",
-        Urban = "urban", Mountains = "mountains"
-    }
     RideKind { Level = "level", Waves = "waves" }
-    Alignment { Forward = "fsa", Back = "bsa" }
     EchoKind { Reference = "reference", Fast = "fast" }
-    PacerPriority { Realtime = "realtime", Normal = "normal" }
     SinkKind {
         Hdf5 = "hdf5", Plain = "plain", Crsd = "crsd", Vita49 = "vita49", Shm = "shm", Zmq = "zmq", Nav = "nav",
         Null = "null"
@@ -94,16 +95,25 @@ choices! {
     NavFormat { Nmea = "nmea", InspvaxAscii = "inspvaxa", InspvaxBinary = "inspvaxb" }
 }
 
-/// How an antenna is pointed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum PointingKind {
-    Fixed,
-    Aimed(AimKind),
+values! {
+    Curved(bool) { "flat" = false, "curved" = true }
+    // None: bolted to the body.
+    Servo(Option<AimKind>) { "fixed" = None, "at" = Some(AimKind::At), "beside" = Some(AimKind::Beside) }
+    Followed(AimKind) { "beside" = AimKind::Beside, "point" = AimKind::At }
+    // Wind at 20 ft, m/s.
+    GustLevel(f64) { "light" = LEVELS_MPS[0], "moderate" = LEVELS_MPS[1], "severe" = LEVELS_MPS[2] }
+    // Whether short waves are joined to those of the file.
+    WithTail(bool) { "elfouhaily" = true, "none" = false }
+    // Gamma at 10 GHz, dB (Barton 1985).
+    Terrain(f64) {
+        "flat" = -20.0, "farmland" = -15.0, "rolling-hills" = -12.0, "wooded-hills" = -10.0, "urban" = -5.0,
+        "mountains" = -5.0
+    }
+    // Sign of the received h against the forward-scatter alignment.
+    Alignment(f64) { "fsa" = 1.0, "bsa" = -1.0 }
+    // Whether the pacer goes ahead of all else.
+    PacerAhead(bool) { "realtime" = true, "normal" = false }
 }
-
-/// What a patch follows: an aim point, one of them by a word of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Followed(pub(super) AimKind);
 
 /// Where a track comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,10 +125,6 @@ pub(super) enum TrackKind {
 }
 
 words! {
-    PointingKind {
-        "fixed" = Self::Fixed, "at" = Self::Aimed(AimKind::At), "beside" = Self::Aimed(AimKind::Beside)
-    }
-    Followed { "beside" = Self(AimKind::Beside), "point" = Self(AimKind::At) }
     TrackKind {
         "fixed" = Self::Fixed, "straight" = Self::Straight, "csv" = Self::Recorded(FileFormat::Csv),
         "nmea" = Self::Recorded(FileFormat::Nmea), "inspvax" = Self::Recorded(FileFormat::Inspvax),

@@ -149,7 +149,7 @@ fn short_waves_brighten_a_narrow_v() {
     let carrier_hz = scene.radar.carrier_hz;
     let short_waves = fleet::short_waves(&scene.ships, 1.0, 60.0).unwrap();
     let sight = Sight { carrier_hz, seed: 1 };
-    let water = WaterScattering::new(sea, &realised.wind, realised.spectrum.into(), &[], sight)
+    let water = WaterScattering::new(sea, &realised.wind, realised.spectrum, &[], sight)
         .unwrap()
         .with_short_waves(short_waves);
     let mut poses = Vec::new();

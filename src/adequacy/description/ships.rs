@@ -2,6 +2,7 @@
 
 use super::{Described, described};
 use crate::adequacy::ShipOutlook;
+use crate::adequacy::ships::mesh_text;
 use crate::inputs::shown;
 use crate::scene::Scene;
 use crate::scene::ship::{HullGiven, Ship, ShipMotion};
@@ -87,14 +88,6 @@ pub fn rows(ships: &[ShipOutlook]) -> Vec<Described> {
 
 fn force(newtons: f64) -> String {
     if newtons < 1e3 { format!("{newtons:.3} N") } else { format!("{:.2} kN", newtons / 1e3) }
-}
-
-/// Extents of a mesh.
-pub fn mesh_text([along, across, up]: [[f64; 2]; 3]) -> String {
-    format!(
-        "reaches from {:.1} to {:.1} m forward of midship, {:.1} to {:.1} m to port, {:.1} to {:.1} m up",
-        along[0], along[1], across[0], across[1], up[0], up[1]
-    )
 }
 
 /// A ship in a line.

@@ -41,7 +41,7 @@ tables! {
         BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e9), Means("half the pulse rate"), "Highest frequency of the phase noise of h_1 and h_2.";
     }
     pointing "pointing = { ... } of [[transmitter]] and [[receiver]]" "Where an antenna points." {
-        KIND "kind", Choice(words::<PointingKind>), Required, "Bolted to the body; servo on a point; servo on a point beside a platform.";
+        KIND "kind", Choice(words::<Servo>), Required, "Bolted to the body; servo on a point; servo on a point beside a platform.";
         YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), default(0.0), "fixed: relative to the body, positive to starboard (clockwise from above).";
         PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), default(0.0), "fixed: relative to the body, positive up.";
         ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), default(0.0), "fixed: about the boresight.";

@@ -26,7 +26,7 @@ tables! {
         ORIGIN_LAT_DEG "origin_lat_deg", number("deg", -90.0, 90.0), Means("a plain local frame, not georeferenced"), "Latitude of the origin, WGS-84. The three origin keys stand together or not at all.";
         ORIGIN_LON_DEG "origin_lon_deg", number("deg", -180.0, 360.0), Means("see origin_lat_deg"), "Longitude of the origin, East positive.";
         ORIGIN_H_M "origin_h_m", number("m", -500.0, 10_000.0), Means("see origin_lat_deg"), "Height of mean sea level above the WGS-84 ellipsoid at the origin (the geoid undulation). It converts every height above sea level of the scenario.";
-        EARTH "earth", Choice(words::<EarthShape>), Means("\"curved\" with an origin, \"flat\" without"), "Shape of the mean sea surface.";
+        EARTH "earth", Choice(words::<Curved>), Means("\"curved\" with an origin, \"flat\" without"), "Shape of the mean sea surface.";
         EARTH_RADIUS_FACTOR "earth_radius_factor", number("", 0.1, 100.0), default(1.0), "Curved earth: effective radius over 6371 km; 4/3 is standard refraction.";
         HORIZON "horizon", Kind::Flag, Means("true on a curved earth"), "Curved earth: whether it hides the sea, targets and the direct path beyond the horizon of an antenna. Without diffraction.";
         START_UTC "start_utc", TimeOr(&[("now", "without recorded tracks, logs and live navigation"), ("live", "with live navigation and no recording")]), Means("2000-01-01T00:00:00Z; required with recorded tracks and live navigation"), "Emission of pulse 0, from which all stamps count; release counts from the start of the run, whenever that is. now: the first whole second for which the run is ready, and it waits for it. live: the first whole second that live navigation covers.";

@@ -16,7 +16,7 @@ tables! {
         SPREADING "spreading", Choice(words::<SpreadingLaw>), Word("mitsuyasu"), "pierson-moskowitz, jonswap: exponent s of the spreading cos^2s(phi/2) about the wind: Mitsuyasu's, that of Elfouhaily's upwind to crosswind ratio, or one for all waves.";
         SPREADING_EXPONENT "spreading_exponent", number("", 0.0, 1000.0), Required, "spreading = \"constant\": the exponent s.";
         SPECTRUM_PATH "spectrum_path", File, Required, "measured: CSV with the columns kx_rad_m,ky_rad_m,psi_m4 on a regular grid, K in the direction of travel.";
-        SPECTRUM_TAIL "spectrum_tail", Choice(words::<SpectrumTail>), Word("elfouhaily"), "measured: the waves beyond the last wave number of the file: Elfouhaily's of this wind, joined to it, or none (a file without Bragg waves is then a sea without Bragg echo).";
+        SPECTRUM_TAIL "spectrum_tail", Choice(words::<WithTail>), Word("elfouhaily"), "measured: the waves beyond the last wave number of the file: Elfouhaily's of this wind, joined to it, or none (a file without Bragg waves is then a sea without Bragg echo).";
         WAVES "waves", Choice(words::<Waves>), Means("\"choppy\"; \"linear\" with depth_m, scattering.displacement = false or a floating target"), "Shape of the waves of the map. linear: crests and troughs symmetric. choppy: second order in the steepness, crests sharper and higher than troughs, facets denser on them; in deep water, and with facets that follow the horizontal motion.";
         CAPILLARY "capillary", Kind::Flag, Flag(false), "Whether surface tension speeds up short waves.";
         DEPTH_M "depth_m", number("m", 0.1, 1e5), Means("deep water"), "Depth of the water, for the speed of the waves.";

@@ -2,7 +2,7 @@
 
 use super::place::{self, SurfaceKeys};
 use super::{Ground, Names};
-use crate::config::choices::{AimKind, PatternKind, PointingKind};
+use crate::config::choices::{AimKind, PatternKind, Servo};
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
 use crate::frames::Vector;
@@ -118,7 +118,7 @@ fn sides(section: &Section<'_>, width: &'static Key, height: &'static Key) -> Op
 fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<Pointing> {
     use keys::pointing as k;
     let pointing = match section.choice(&k::KIND) {
-        Some(PointingKind::Fixed) => {
+        Some(Servo(None)) => {
             let [yaw, pitch, roll] =
                 [&k::YAW_DEG, &k::PITCH_DEG, &k::ROLL_DEG].map(|key| section.number(key));
             yaw.zip(pitch).zip(roll).map(|((yaw, pitch), roll)| Pointing::Fixed {
@@ -127,7 +127,7 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
                 roll_rad: roll.to_radians(),
             })
         }
-        Some(PointingKind::Aimed(kind)) => {
+        Some(Servo(Some(kind))) => {
             let keys = aim_keys!(pointing);
             let aim = aim(&section, kind, &keys, ground, platforms);
             let aim_from = section.choice(&k::AIM_FROM);

@@ -7,7 +7,7 @@ use crate::config::section::Section;
 use crate::frames::Vector;
 use crate::motion::errors::preset::Class;
 use crate::motion::errors::{ATTITUDE, AxisErrors, Dropouts, ErrorModel, Recorded, VELOCITY};
-use crate::motion::gusts::{Gusts, LEVELS_MPS};
+use crate::motion::gusts::Gusts;
 
 /// When steps and noise have no meaning.
 const SMOOTH: &str = "recorded = \"reported\": the truth must be smooth";
@@ -155,11 +155,7 @@ fn axis_errors(
 pub(super) fn gusts(section: Section<'_>) -> Option<Gusts> {
     use keys::turbulence as k;
     let written = section.exactly_one(&[&k::LEVEL, &k::WIND20_MPS]);
-    let level = section.choice(&k::LEVEL).map(|level| match level {
-        GustLevel::Light => LEVELS_MPS[0],
-        GustLevel::Moderate => LEVELS_MPS[1],
-        GustLevel::Severe => LEVELS_MPS[2],
-    });
+    let level = section.choice(&k::LEVEL).map(|GustLevel(wind20_mps)| wind20_mps);
     let wind20_mps = section.number(&k::WIND20_MPS);
     let (height_m, airspeed_mps) = (section.number(&k::HEIGHT_M), section.number(&k::AIRSPEED_MPS));
     let sound = [(&k::HEIGHT_M, height_m), (&k::AIRSPEED_MPS, airspeed_mps)]

@@ -9,17 +9,6 @@ use crate::scene::Land;
 const GAMMA_AT_HZ: f64 = 10e9;
 const GAMMA_DB_A_DECADE: f64 = 5.0;
 
-/// Gamma of a terrain at 10 GHz, dB (Barton 1985).
-fn gamma_of(terrain: Terrain) -> f64 {
-    match terrain {
-        Terrain::Flat => -20.0,
-        Terrain::Farmland => -15.0,
-        Terrain::RollingHills => -12.0,
-        Terrain::WoodedHills => -10.0,
-        Terrain::Urban | Terrain::Mountains => -5.0,
-    }
-}
-
 /// `[land]`: `Some(None)` without one, `None` where something is faulty.
 pub(super) fn land(root: &Section<'_>, carrier_hz: Option<f64>) -> Option<Option<Land>> {
     use keys::land::{CROSS_OVER_VV_DB, DEM, GAMMA_DB, HH_OVER_VV_DB, SEA_LEVEL_M, TERRAIN};
@@ -45,7 +34,7 @@ pub(super) fn land(root: &Section<'_>, carrier_hz: Option<f64>) -> Option<Option
         gamma_db
     } else {
         let decades = carrier_hz.map(|carrier_hz| (carrier_hz / GAMMA_AT_HZ).log10());
-        terrain.zip(decades).map(|(terrain, decades)| gamma_of(terrain) + GAMMA_DB_A_DECADE * decades)
+        terrain.zip(decades).map(|(Terrain(gamma_db), decades)| gamma_db + GAMMA_DB_A_DECADE * decades)
     };
     section.finish();
     let ratio = |db: f64| 10f64.powf(db / 10.0);

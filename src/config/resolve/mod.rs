@@ -26,7 +26,7 @@ mod target;
 
 use std::collections::HashMap;
 
-use super::choices::{Begin, EarthShape, TrackKind};
+use super::choices::{Begin, Curved, TrackKind};
 use super::error::Problem;
 use super::keys::{self, Key};
 use super::section::Section;
@@ -343,11 +343,7 @@ fn ground(section: &Section<'_>) -> Ground {
     if let Some(first) = trio.iter().find(|key| section.has(key)).filter(|_| written < trio.len()) {
         section.fault(first, Problem::Alone { keys: crate::config::hint::names(&trio) });
     }
-    let curved = match section.choice(&EARTH) {
-        Some(EarthShape::Curved) => true,
-        Some(EarthShape::Flat) => false,
-        None => written == trio.len(),
-    };
+    let curved = section.choice(&EARTH).map_or(written == trio.len(), |Curved(curved)| curved);
     let mut factor = Some(1.0);
     if curved {
         factor = section.number(&EARTH_RADIUS_FACTOR);

@@ -2,7 +2,7 @@
 
 use super::{land, slick};
 use crate::config::choices::{
-    BraggKind, Choice, ModulationKind, ShadowEdge, SpectrumName, SpectrumTail, SpreadingLaw, SwellKind,
+    BraggKind, Choice, ModulationKind, ShadowEdge, SpectrumName, SpreadingLaw, SwellKind, WithTail,
 };
 use crate::config::error::Problem;
 use crate::config::keys::{self, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
@@ -122,7 +122,7 @@ fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
         if section.has(&SPECTRUM_PATH) {
             section.file(&SPECTRUM_PATH);
         }
-        section.choice::<SpectrumTail>(&SPECTRUM_TAIL);
+        section.choice::<WithTail>(&SPECTRUM_TAIL);
         return None;
     };
     let when = format!("spectrum = \"{}\"", kind.word());
@@ -162,11 +162,7 @@ fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
             idle(&spread);
             let tail = section.choice(&SPECTRUM_TAIL);
             let path = section.file(&SPECTRUM_PATH)?;
-            let tail = match tail? {
-                SpectrumTail::Elfouhaily => true,
-                SpectrumTail::None => false,
-            };
-            Some(SpectrumKind::Measured { path, tail })
+            tail.map(|WithTail(tail)| SpectrumKind::Measured { path, tail })
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{Ground, Names, nav_out};
-use crate::config::choices::{EchoKind, PacerPriority, SinkKind};
+use crate::config::choices::{EchoKind, PacerAhead, SinkKind};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::Section;
@@ -57,10 +57,7 @@ pub(super) fn stream(
     let asked_ms = section.number(&LATENCY_MS);
     let latency_ms = if latency_given { asked_ms } else { Some(transport::DEFAULT_LATENCY_S * 1e3) };
     let threads = section.count(&THREADS);
-    let pacer_ahead = section.choice(&PACER_PRIORITY).map(|priority| match priority {
-        PacerPriority::Realtime => true,
-        PacerPriority::Normal => false,
-    });
+    let ahead = section.choice(&PACER_PRIORITY).map(|PacerAhead(ahead)| ahead);
     let pacer_core = match section.has(&PACER_CORE) {
         true => section.count(&PACER_CORE).and_then(|core| usize::try_from(core).ok()).map(Some),
         false => Some(None),
@@ -87,7 +84,7 @@ pub(super) fn stream(
         // A block is what its echo makes of it.
         batch_pulses: 1,
         threads,
-        pacer_ahead: pacer_ahead?,
+        pacer_ahead: ahead?,
         pacer_core: pacer_core?,
         lock_memory: lock_memory?,
     };

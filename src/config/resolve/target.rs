@@ -183,7 +183,7 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
         let value = section.vector::<2>(key);
         if section.has(key) { value } else { Some([0.0, 0.0]) }
     });
-    let convention = if matrix { section.choice(&CONVENTION) } else { Some(Alignment::Forward) };
+    let convention = if matrix { section.choice(&CONVENTION) } else { Some(Alignment(1.0)) };
     let keys = "rcs_m2, rcs_dbsm, rcs_csv, (s_vv, s_vh, s_hv, s_hh)".to_owned();
     match written {
         0 => section.fault_here(Problem::NoneOf { keys }),
@@ -203,10 +203,7 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
     let [vv, vh, hv, hh] = values;
     let complex = |[re, im]: [f64; 2]| Complex64::new(re, im);
     // The received h of the forward-scatter alignment is the opposite of the back-scatter one.
-    let sign = match convention? {
-        Alignment::Forward => 1.0,
-        Alignment::Back => -1.0,
-    };
+    let Alignment(sign) = convention?;
     Some([[complex(vv?), complex(vh?)], [complex(hv?) * sign, complex(hh?) * sign]])
 }
 

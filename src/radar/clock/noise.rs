@@ -43,7 +43,8 @@ const LONGEST_S: f64 = 1e6;
 /// Shortest of these times, of a mean interval.
 const SHORTEST: f64 = 1.0 / 64.0;
 
-/// A kind of oscillator, with its typical Allan deviation at 1 s; others are beside it within a factor of three.
+/// A kind of oscillator, with its typical Allan deviation at 1 s; others are beside it within a factor of
+/// three.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Oscillator {

@@ -49,7 +49,7 @@ fn error(scattering: FacetScattering, carrier_hz: f64, kind: usize, [incidence, 
     let sea = sea(scattering);
     let realised = realise(&sea, 1).unwrap();
     let sight = Sight { carrier_hz, seed: 1 };
-    let mut water = WaterScattering::new(&sea, &realised.wind, realised.spectrum.into(), &[], sight).unwrap();
+    let mut water = WaterScattering::new(&sea, &realised.wind, realised.spectrum, &[], sight).unwrap();
     if let Some(rate_per_s) = water.relaxation_per_s() {
         water = water.with_strength(Strength::of(&realised.surface, rate_per_s));
     }
