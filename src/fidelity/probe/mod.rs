@@ -314,7 +314,8 @@ impl<'a> ErrorSampler<'a> {
         let median_hz = bandwidths_hz.get(bandwidths_hz.len() / 2)?;
         let far = self.radar.emissions.mean_prf_hz() > LEAST_PULSES_OF_BAND * median_hz;
         let of_strongest = || power * 10f64.powf(-BETWEEN_DB / 10.0) / self.peak([1.0, 0.0]).max(1.0);
-        (far && self.pulses > FEW_PULSES).then(of_strongest)
+        // A facet that turns away does so at once.
+        (far && self.pulses > FEW_PULSES && !self.turning).then(of_strongest)
     }
 
     /// Pulses of a unit.

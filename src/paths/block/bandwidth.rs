@@ -8,13 +8,16 @@
 //! over its nodes and the middles between them: `f_w` is how far waves that travel, or phases that are
 //! forgotten, reach off the Doppler of their facets, and `|r| f_s` what a delay of rate `r` that moves over
 //! the grid adds at the edge of the band that is received.
+//!
+//! A facet that shadows hide or uncover has no such bandwidth: what is seen of it is straight from update to
+//! update, with a kink at each. A tile with one is evaluated at every pulse.
 
 use std::f64::consts::TAU;
 
 use super::TileWork;
 use super::tile::Pair;
 use super::travelling::Part;
-use crate::geometry::lanes::Paths;
+use crate::geometry::lanes::{Paths, Row};
 use crate::paths::PathGenerator;
 use crate::paths::sea::SeaPlan;
 
@@ -24,6 +27,8 @@ const CELLS_PER_SAMPLE: f64 = 2.0;
 const MORE_CELLS: f64 = 10.0;
 /// Time to find a pulse from supports, for each cell, over that of a facet at a pulse.
 const PER_CELL: f64 = 1.0;
+/// What of a facet shadows may hide or uncover from update to update.
+const STEADY: f32 = 1e-3;
 /// A tile is wider than its first facet shows.
 const OF_LINES: f64 = 1.2;
 /// Deviations up to which phases that are forgotten turn.
@@ -64,13 +69,25 @@ impl Pair {
     }
 }
 
+impl TileWork {
+    /// Whether shadows hide and uncover no facet of the tile at hand.
+    fn is_seen_steadily(&self) -> bool {
+        let ends = self.shadow_updates.first().map_or(0, |update| update.weights.len());
+        let count = self.tile.count;
+        let apart = |(before, after): (&Row, &Row)| {
+            before[..count].iter().zip(&after[..count]).all(|(a, b)| (a - b).abs() < STEADY)
+        };
+        !self.dims.contains(&true) || self.seen.iter().zip(self.seen.iter().skip(ends)).all(apart)
+    }
+}
+
 impl PathGenerator {
     /// Chooses the supports of the tile at hand: the farthest that its bandwidth allows, if evaluating it at
     /// these alone saves time.
     pub(super) fn choose_supports(&self, sea: &SeaPlan, work: &mut TileWork) {
         work.tile.chosen = None;
         let (count, pulses) = (work.tile.count, work.tile.instants.pulses);
-        if work.supports_within.is_none() || work.whole || count == 0 {
+        if work.supports_within.is_none() || work.whole || count == 0 || !work.is_seen_steadily() {
             return;
         }
         let mut bandwidth_hz = 0.0f64;

@@ -181,7 +181,9 @@ impl SupportSets {
         for (step, widest) in STEPS.into_iter().zip(&mut found) {
             self.count = 0;
             let set = self.next();
-            if !set.place(pulses, step, &slow) {
+            // Some blocks end before their supports are so far apart.
+            let reached = |set: &Supports| set.pulses.windows(2).any(|pair| pair[1] - pair[0] == step);
+            if !(set.place(pulses, step, &slow) && reached(set)) {
                 continue;
             }
             // The end mirrors the begin, and inside all are alike.
@@ -236,10 +238,10 @@ mod tests {
                 assert!(sets.count > 0, "{pulses}");
                 for set in &sets.sets[..sets.count] {
                     assert_eq!((set.pulses[0], set.pulses[set.pulses.len() - 1]), (0, pulses - 1));
-                    let tones = 41;
+                    let tones = 400;
                     let mut worst = vec![0.0f64; pulses];
                     for tone in 0..tones {
-                        let cycles = set.bandwidth * (tone as f64 / (tones - 1) as f64 - 0.5);
+                        let cycles = set.bandwidth * ((f64::from(tone) + 0.5) / f64::from(tones) - 0.5);
                         for (pulse, worst) in worst.iter_mut().enumerate() {
                             let (first, weights) = set.taps(pulse);
                             let exact = TAU * cycles * slow.at(pulse);
@@ -254,8 +256,8 @@ mod tests {
                     }
                     let worst = worst.into_iter().fold(0.0, f64::max);
                     println!("{pulses} {staggered} {:.3}: worst {worst:.1e}", set.bandwidth);
-                    // The ends of the band weigh half as much in the integral as in the sum.
-                    assert!(worst < 1.5 * loss, "{worst}");
+                    // A sum in place of the integral, steep at the ends of the band.
+                    assert!(worst < 1.1 * loss, "{worst}");
                 }
             }
         }
@@ -269,7 +271,7 @@ mod tests {
         assert!(steps.is_sorted(), "{steps:?}");
         let narrow = sets.get(sets.for_bandwidth(0.01).unwrap()).unwrap();
         let wide = sets.get(sets.for_bandwidth(0.2).unwrap()).unwrap();
-        assert!(narrow.pulses.len() < 40 && wide.pulses.len() > 150);
+        assert!(narrow.pulses.len() < 60 && wide.pulses.len() > 150);
         assert_eq!(sets.for_bandwidth(0.5), None);
         // A block of few pulses has none.
         sets.set(12, 1e-7, &SlowTime::default());
