@@ -8,7 +8,6 @@ use crate::bench::settings;
 use crate::config::keys;
 use crate::fidelity::Prediction;
 use crate::fidelity::budget::Plan;
-use crate::paths::MOST_RECEIVED;
 use crate::units::{counted, digits};
 
 /// A plan in figures; all of it predicted.
@@ -25,9 +24,6 @@ pub struct PlanReport {
     /// Pulses that were made to find that out, and how many settings were tried.
     #[serde(skip_serializing_if = "Option::is_none")]
     dry_run: Option<DryRunReport>,
-    /// Why pulses are made one by one, where they are.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    one_by_one: Option<String>,
     /// By the costs of a reference machine, the same on every machine; settings are compared by it.
     predicted_real_time_factor: f64,
     predicted_rss_mib: f64,
@@ -91,22 +87,6 @@ pub fn not_kept(plan: &Plan) -> Option<String> {
     Some(format!("{asked_db} dB cannot be reached {with}; best {predicted_db:.1} dB"))
 }
 
-/// Why no pulses have nodes in common.
-fn one_by_one(plan: &Plan) -> Option<String> {
-    let received = plan.size.emissions_received();
-    if plan.chosen.node_pulses > 1 {
-        None
-    } else if plan.asked.node_pulses.is_some() {
-        Some("node_pulses is 1".to_owned())
-    } else if received > MOST_RECEIVED {
-        Some(format!(
-            "a window receives up to {received} emissions, those of a block {MOST_RECEIVED} at most"
-        ))
-    } else {
-        Some(format!("no nodes keep {} dB", plan.asked.error_db))
-    }
-}
-
 /// What the fast echo keeps of the reference, as predicted.
 pub fn echo_text(plan: &Plan) -> String {
     let (asked_db, predicted_db) = (plan.asked.error_db, plan.prediction.total_db());
@@ -128,7 +108,6 @@ impl PlanReport {
                 all: run.all,
                 tries: run.tries,
             }),
-            one_by_one: one_by_one(plan),
             predicted_real_time_factor: real_time_factor,
             predicted_rss_mib: bytes as f64 / f64::from(1 << 20),
         }
@@ -159,8 +138,6 @@ impl PlanReport {
         if !rounded.is_empty() {
             rows.push(described("rounded", rounded.join("; ")));
         }
-        let why = self.one_by_one.iter().map(|why| described("pulse by pulse", why.clone()));
-        rows.extend(why);
         let tried = self.dry_run.as_ref().map(|run| {
             let of = if run.all { "all " } else { "" };
             let settings =
