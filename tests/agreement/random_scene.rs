@@ -407,7 +407,7 @@ fn radar(draw: &mut Draw, slow: &mut Draw, (geometry, signal): (&Geometry, &Sign
     if *bistatic && draw.chance(0.1) {
         line!(out, "direct_path = true");
     }
-    if draw.chance(0.1) && channels.contains("VV") {
+    if draw.chance(0.1) && channels.contains("VV") && !out.contains("tx_polarisation") {
         line!(out, "tx_polarisation = \"alternating\"");
     }
     // Up to where drops scatter by Rayleigh's law.

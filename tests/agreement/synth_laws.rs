@@ -1,7 +1,7 @@
 //! What holds for the fast echo whatever the numbers: bit-identical, variants alike, edges, nothing but
 //! finite.
 
-use nereus::echo::synth::block::{BlockPaths, Node};
+use nereus::echo::synth::block::{BlockPaths, MAX_PULSES, Node};
 use nereus::echo::synth::doppler::Doppler;
 use nereus::echo::synth::{Settings, Synth, Variant};
 use nereus::paths::list::ScattererPaths;
@@ -154,7 +154,7 @@ fn blocks_that_make_no_sense_are_refused() {
     let mut fault = |nodes: &[Node<'_>], windows: &[f64]| synth.fill(nodes, windows, &mut block).unwrap_err();
     let faults = [
         fault(&[node(0, &two)], &[]),
-        fault(&[node(0, &two)], &[1e-5; 65]),
+        fault(&[node(0, &two)], &[1e-5; MAX_PULSES + 1]),
         fault(&[node(0, &two)], &[f64::NAN]),
         fault(&[], &[1e-5]),
         fault(&[node(1, &two)], &[1e-5]),
@@ -164,8 +164,8 @@ fn blocks_that_make_no_sense_are_refused() {
     ]
     .map(|f| f.to_string());
     let expected = [
-        "a block of 0 pulses is not allowed: 1 to 64",
-        "a block of 65 pulses is not allowed: 1 to 64",
+        "a block of 0 pulses is not allowed: 1 to 1024",
+        "a block of 1025 pulses is not allowed: 1 to 1024",
         "window start NaN s is not finite",
         "0 nodes of a block are not allowed: 1 to 4",
         "node at pulse 1 is not allowed: once each, below 1",
