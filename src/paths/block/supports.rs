@@ -270,7 +270,7 @@ mod tests {
         let steps: Vec<f64> = sets.sets[..sets.count].iter().map(|set| set.bandwidth).collect();
         assert!(steps.is_sorted(), "{steps:?}");
         let narrow = sets.get(sets.for_bandwidth(0.01).unwrap()).unwrap();
-        let wide = sets.get(sets.for_bandwidth(0.2).unwrap()).unwrap();
+        let wide = sets.get(sets.for_bandwidth(0.25).unwrap()).unwrap();
         assert!(narrow.pulses.len() < 60 && wide.pulses.len() > 150);
         assert_eq!(sets.for_bandwidth(0.5), None);
         // A block of few pulses has none.
