@@ -17,7 +17,6 @@ use std::ops::Range;
 
 use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
 use super::grid::{Grids, Lined};
-use super::profiles::{Rows, intervals_of};
 use super::spread::{DelayPolynomials, Emitted, Job, TICKS};
 use super::{Synth, of_group};
 use crate::cpu::Task;
@@ -40,6 +39,28 @@ pub struct LaneWork {
     pub(super) powers: usize,
     /// Of a tile that was evaluated at supports alone.
     pub(super) rows: Rows,
+}
+
+/// Room for the rows of a tile.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    /// `[layer]`: `[support][cell][lane]`.
+    pub cells: Vec<Lined<f32>>,
+    /// First cell of each row, on the grid of the middle pulse; none of a row that is empty.
+    pub first: Vec<Option<i32>>,
+    /// Phase of the middle of the tile at every pulse, turns.
+    pub turns: Vec<f64>,
+    /// Whole cells from the window of the middle pulse to that of each.
+    pub shifts: Vec<i32>,
+    /// For a pulse whose rows lie too far apart to be added at once.
+    pub sum: Vec<f32>,
+}
+
+/// Pulses from a node to the next.
+pub(super) fn intervals_of(nodes: &[usize], interval: usize, pulses: usize) -> Range<usize> {
+    let from = if interval == 0 { 0 } else { nodes[interval] };
+    let last = interval + 2 >= nodes.len();
+    from..if last { pulses } else { nodes[interval + 1] }
 }
 
 /// A quantity at both ends of an interval.

@@ -15,7 +15,7 @@ use std::ops::Range;
 
 use super::block::{FAR_CELLS, Frame};
 use super::grid::{Grids, Lined};
-use super::lanes::{LaneWork, TOGETHER};
+use super::lanes::{LaneWork, Rows, TOGETHER, intervals_of};
 use super::scalar::Scalar;
 use super::spread::{DelayPolynomials, Emitted, Job};
 use super::{Layer, Synth};
@@ -32,20 +32,6 @@ const APART: usize = 4;
 const MORE_CELLS: f64 = 4.0;
 /// Windows that are so near to whole cells apart are.
 const WHOLE_CELLS: f64 = 1e-6;
-
-/// Room for the rows of a tile.
-#[derive(Debug, Default)]
-pub(super) struct Rows {
-    /// `[layer]`: `[support][cell][lane]`.
-    cells: Vec<Lined<f32>>,
-    /// First cell of each row, on the grid of the middle pulse; none of a row that is empty.
-    first: Vec<Option<i32>>,
-    /// Phase of the middle of the tile at every pulse, turns.
-    turns: Vec<f64>,
-    /// Whole cells from the window of the middle pulse to that of each.
-    shifts: Vec<i32>,
-    sum: Vec<f32>,
-}
 
 /// The rows of a tile: empty cells, those that hold it, empty ones again, and those that nobody reads.
 #[derive(Clone, Copy)]
@@ -266,13 +252,6 @@ impl Synth<f32> {
         let cells = &mut cells[to.min(self.shape.outside() * lanes)..];
         self.variant.run(Added { sum, by, cells });
     }
-}
-
-/// Pulses from a node to the next.
-pub(super) fn intervals_of(nodes: &[usize], interval: usize, pulses: usize) -> Range<usize> {
-    let from = if interval == 0 { 0 } else { nodes[interval] };
-    let last = interval + 2 >= nodes.len();
-    from..if last { pulses } else { nodes[interval + 1] }
 }
 
 /// The least first cell that is within reach of any window.

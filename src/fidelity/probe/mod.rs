@@ -310,8 +310,8 @@ impl<'a> ErrorSampler<'a> {
         self.turning
     }
 
-    /// What tiles may lack at their supports alone, where an error over the echo's power is asked: nothing where pulses lie so far apart that hardly any
-    /// has some.
+    /// What tiles may lack at their supports alone, where an error over the echo's power is asked; none where
+    /// pulses lie so far apart that hardly any tile would have supports.
     pub fn between(&self, power: f64) -> Option<f64> {
         let mut bandwidths_hz = self.bandwidths_hz.clone();
         bandwidths_hz.sort_unstable_by(f64::total_cmp);
