@@ -12,8 +12,6 @@
 //! with `B` the bandwidth: of all sums that of least mean square error where the spectrum is flat over `B`.
 //! It leaves `1 - 2 w.r + w.R w` of the power of the tile, at every pulse no more than what is asked.
 
-use std::ops::Range;
-
 use super::slow_time::SlowTime;
 
 /// Supports from which a pulse is found.
@@ -78,12 +76,12 @@ impl Supports {
         self.pulses.len() >= TAPS && (self.pulses.len() as f64) < MOST_SUPPORTS * pulses as f64
     }
 
-    /// Finds the weights of pulses for a bandwidth; returns the most that a pulse lacks of the power.
-    fn weigh(&mut self, pulses: Range<usize>, bandwidth: f64, slow: &SlowTime) -> f64 {
+    /// Finds the weights of every pulse for a bandwidth; returns the most that a pulse lacks of the power.
+    fn weigh(&mut self, pulses: usize, bandwidth: f64, slow: &SlowTime) -> f64 {
         self.bandwidth = bandwidth;
         self.taps.clear();
         let mut most = 0.0f64;
-        for pulse in pulses {
+        for pulse in 0..pulses {
             let after = self.pulses.partition_point(|support| *support <= pulse);
             let first = after.saturating_sub(TAPS / 2).min(self.pulses.len() - TAPS);
             let (weights, lacks) = weights(&self.at[first..], slow.at(pulse), bandwidth);
@@ -169,7 +167,7 @@ impl SupportSets {
         for (step, bandwidth) in STEPS.into_iter().zip(bandwidths).filter(|(_, bandwidth)| *bandwidth > 0.0) {
             let of = if even { bandwidth } else { OF_UNEVEN * bandwidth };
             let set = self.next();
-            if set.place(pulses, step, slow) && set.weigh(0..pulses, of, slow) <= loss {
+            if set.place(pulses, step, slow) && set.weigh(pulses, of, slow) <= loss {
                 self.count += 1;
             }
         }
@@ -186,13 +184,10 @@ impl SupportSets {
             if !(set.place(pulses, step, &slow) && reached(set)) {
                 continue;
             }
-            // The end mirrors the begin, and inside all are alike.
-            let inside = set.pulses.windows(2).position(|pair| pair[1] - pair[0] == step).unwrap_or(0);
-            let like_all = (set.pulses[inside] + TAPS * step).min(pulses.div_ceil(2));
             let [mut low, mut high] = [0.0, 1.0 / step as f64];
             for _ in 0..10 {
                 let middle = 0.5 * (low + high);
-                if set.weigh(0..like_all, middle, &slow) <= loss { low = middle } else { high = middle }
+                if set.weigh(pulses, middle, &slow) <= loss { low = middle } else { high = middle }
             }
             *widest = low;
         }
