@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn tones_within_the_band_are_found_at_every_pulse() {
         let loss = 1e-7;
-        for pulses in [64, 193, 500] {
+        for pulses in [64, 193] {
             for staggered in [false, true] {
                 let times =
                     (0..pulses).map(|n| n as f64 + if staggered { 0.1 * (n % 3) as f64 } else { 0.0 });
@@ -233,7 +233,7 @@ mod tests {
                 assert!(sets.count > 0, "{pulses}");
                 for set in &sets.sets[..sets.count] {
                     assert_eq!((set.pulses[0], set.pulses[set.pulses.len() - 1]), (0, pulses - 1));
-                    let tones = 400;
+                    let tones = 100;
                     let mut worst = vec![0.0f64; pulses];
                     for tone in 0..tones {
                         let cycles = set.bandwidth * ((f64::from(tone) + 0.5) / f64::from(tones) - 0.5);
