@@ -24,7 +24,7 @@ pub fn lanes_of(channels: usize) -> usize {
 }
 
 /// Channels of a pair, each given by its group, that are spread together: those that the same pulses fill, up
-/// to [`CHANNELS_PER_LAYER`]. By their places among all channels of the pair.
+/// to four. By their places among all channels of the pair.
 pub fn layers_of(groups: &[u8]) -> Vec<Vec<usize>> {
     let mut known: Vec<u8> = groups.to_vec();
     known.sort_unstable();
@@ -117,7 +117,7 @@ impl Epoch {
     }
 }
 
-/// Amplitudes of up to [`CHANNELS_PER_LAYER`] channels, `[facet][lane]`, sqrt(W): lanes are the real and
+/// Amplitudes of up to four channels, `[facet][lane]`, sqrt(W): lanes are the real and
 /// imaginary parts of the channels, as those of the grids they are spread on. Lanes without a channel are
 /// zero.
 #[derive(Clone)]
