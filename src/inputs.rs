@@ -17,6 +17,11 @@ use std::borrow::Cow;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
+#[cfg(test)]
+use std::{
+    path::PathBuf,
+    sync::{Mutex, PoisonError},
+};
 
 /// Kind of the error of what is no file.
 const REFUSED: ErrorKind = ErrorKind::Unsupported;
@@ -43,8 +48,20 @@ pub fn open(path: &Path) -> io::Result<File> {
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK | libc::O_NOCTTY);
     let file = options.open(path)?;
+    #[cfg(test)]
+    OPENED.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
     regular(&file.metadata()?)?;
     Ok(file)
+}
+
+/// Every path that was opened, in tests.
+#[cfg(test)]
+static OPENED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// How often a path was opened.
+#[cfg(test)]
+pub(crate) fn opened(path: &Path) -> usize {
+    OPENED.lock().unwrap_or_else(PoisonError::into_inner).iter().filter(|known| *known == path).count()
 }
 
 /// Reads a file, and at most one byte more than is allowed: then it is too long.

@@ -282,6 +282,14 @@ impl PulseTimes {
         }
     }
 
+    /// The mean interval between two pulses, seconds: that of pulses 0 and 1 where all are equal.
+    pub fn mean_pri_s(&self) -> f64 {
+        match &self.0 {
+            Rhythm::Uniform { .. } => self.interval_s(0, 1),
+            Rhythm::Sequence { starts_as, cycle_as } => *cycle_as as f64 * 1e-18 / starts_as.len() as f64,
+        }
+    }
+
     /// The shortest interval between two pulses, seconds.
     pub fn shortest_pri_s(&self) -> f64 {
         match &self.0 {

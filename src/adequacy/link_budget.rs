@@ -27,16 +27,13 @@ use glam::{DMat3, DVec3};
 use serde::Serialize;
 
 use super::description::{Described, described};
-use crate::config::Run;
 use crate::frames::{Earth, Vector};
 use crate::geometry::bistatic::Basis;
 use crate::geometry::horizon;
 use crate::geometry::light_time::{LightTime, Path, bistatic};
-use crate::motion::PlatformTracks;
-use crate::motion::pointing::{PhaseCentre, Surroundings};
-use crate::pipeline::fault::{BuildError, BuildErrors};
-use crate::pipeline::plausible::instants;
-use crate::pipeline::tracks::tracks;
+use crate::motion::pointing::PhaseCentre;
+use crate::pipeline::fault::BuildErrors;
+use crate::pipeline::prepared::{Moment, Prepared};
 use crate::radar::antenna::Antenna;
 use crate::radar::fault::{RadarError, RadarFault, mounts};
 use crate::radar::filter::ReceiveFilter;
@@ -44,11 +41,10 @@ use crate::radar::link::Link;
 use crate::radar::pattern::{GridPattern, Quantity};
 use crate::radar::polarisation::{PortBasis, field};
 use crate::radar::receiver::thermal_noise_w;
-use crate::radar::waveform::{self, Waveform};
+use crate::radar::waveform::Waveform;
 use crate::scattering::target::Scatterer;
+use crate::scene::Target;
 use crate::scene::radar::{AntennaMount, Channel, Pair, PolarisationBasis, Radar, TxPolarisation};
-use crate::scene::{Scene, Target};
-use crate::time::TimeTag;
 use crate::units::{Decibels, SPEED_OF_LIGHT_MPS};
 
 /// Targets of a budget; those behind them are counted.
@@ -131,20 +127,12 @@ pub struct TargetBudget {
 /// The link of a run.
 ///
 /// # Errors
-/// Tracks, patterns, waveforms and tables of cross sections that cannot be read; tracks that end before the
-/// run.
-pub fn link_budget(run: &Run) -> Result<LinkBudget, BuildErrors> {
-    let scene = &run.scene;
+/// Patterns, waveforms and tables of cross sections that cannot be read; tracks that end before the run.
+pub fn link_budget(prepared: &Prepared) -> Result<LinkBudget, BuildErrors> {
+    let scene = prepared.scene();
     let radar = &scene.radar;
-    let (tracks, _) = tracks(&run.nav, scene)?;
-    let waveform = waveform::from_description(&radar.waveform)?;
-    let antennas = mounts(radar)
-        .map(|(name, mount)| {
-            Antenna::open(&mount.pattern, radar.wavelength_m()).map_err(|source| {
-                RadarError::Faults(vec![RadarFault::Pattern { antenna: name.to_owned(), source }])
-            })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    let waveform = prepared.waveform()?;
+    let antennas = open_all(radar)?;
     let noise_bandwidth_hz = ReceiveFilter::new(radar.sample_rate_hz).noise_bandwidth_hz();
     let noise_w = radar.noise_figure_db.map(|db| thermal_noise_w(noise_bandwidth_hz, Decibels(db)));
     let prf_hz = radar.emissions.mean_prf_hz() * least_share(radar);
@@ -171,7 +159,7 @@ pub fn link_budget(run: &Run) -> Result<LinkBudget, BuildErrors> {
         targets: Vec::new(),
         more_targets: scene.targets.len().saturating_sub(MOST_TARGETS),
     };
-    let sights = Sights { scene, tracks: &tracks, antennas: &antennas };
+    let sights = Sights { prepared, antennas: &antennas };
     for (target, seen) in scene.targets.iter().zip(sights.of_targets()?) {
         let most = seen.most.filter(|most| most.power_w > 0.0);
         let power_dbw = most.and_then(|most| decibels(most.power_w));
@@ -190,6 +178,16 @@ pub fn link_budget(run: &Run) -> Result<LinkBudget, BuildErrors> {
         });
     }
     Ok(budget)
+}
+
+/// The antennas of a radar, transmitters first.
+pub(super) fn open_all(radar: &Radar) -> Result<Vec<Antenna>, RadarError> {
+    let open = |(name, mount): (&str, &AntennaMount)| {
+        Antenna::open(&mount.pattern, radar.wavelength_m()).map_err(|source| {
+            RadarError::Faults(vec![RadarFault::Pattern { antenna: name.to_owned(), source }])
+        })
+    };
+    mounts(radar).map(open).collect()
 }
 
 fn decibels(ratio: f64) -> Option<f64> {
@@ -281,14 +279,13 @@ struct Stood {
 }
 
 struct Sights<'a> {
-    scene: &'a Scene,
-    tracks: &'a [PlatformTracks],
+    prepared: &'a Prepared,
     antennas: &'a [Antenna],
 }
 
 impl Sights<'_> {
     fn of_targets(&self) -> Result<Vec<Seen>, BuildErrors> {
-        let (scene, radar) = (self.scene, &self.scene.radar);
+        let (scene, radar) = (self.prepared.scene(), &self.prepared.scene().radar);
         let targets = scene
             .targets
             .iter()
@@ -303,11 +300,10 @@ impl Sights<'_> {
         if paths == 0 || scene.pulses == 0 {
             return Ok(Vec::new());
         }
-        for pulse in instants(scene, (PATHS / paths).clamp(FEWEST, MOST)) {
-            let elapsed_s = radar.emissions.interval_s(0, pulse);
-            let stood = self.stand(pulse, scene.start.plus(elapsed_s))?;
+        for moment in self.prepared.spread((PATHS / paths).clamp(FEWEST, MOST)) {
+            let stood = stand(moment)?;
             for (target, seen) in targets.iter().zip(&mut seen) {
-                let at = Scatterer::at(target, elapsed_s);
+                let at = Scatterer::at(target, moment.elapsed_s);
                 for pair in &pairs {
                     let ends = [pair.transmitter, radar.transmitters.len() + pair.receiver];
                     let [tx, rx] = ends.map(|end| &stood[end]);
@@ -322,35 +318,13 @@ impl Sights<'_> {
                     }
                     for (channel, power_w) in self.powers(*pair, ends, [tx, rx], &path, &at) {
                         if seen.most.is_none_or(|most| power_w > most.power_w) {
-                            seen.most = Some(Strongest { power_w, channel, pulse });
+                            seen.most = Some(Strongest { power_w, channel, pulse: moment.pulse });
                         }
                     }
                 }
             }
         }
         Ok(seen)
-    }
-
-    /// All antennas at a pulse, transmitters first.
-    fn stand(&self, pulse: u64, time: TimeTag) -> Result<Vec<Stood>, BuildErrors> {
-        let Self { scene, tracks, .. } = *self;
-        let around = Surroundings { tracks, frame: &scene.frame, start: scene.start };
-        let of = |mount: &AntennaMount| {
-            let state = tracks[mount.platform].truth.state(time)?;
-            let frame = around.antenna_frame(mount, state.attitude, time)?;
-            let (centre, axes) = (PhaseCentre::of(&state, mount.lever_arm), DMat3::from_quat(frame.raw()));
-            let up = scene.frame.earth().up(centre.position).raw();
-            let basis = PortBasis::of(PolarisationBasis::of(&mount.pattern), axes, up);
-            Ok(Stood { centre, axes, basis })
-        };
-        mounts(&scene.radar)
-            .map(|(_, mount)| {
-                of(mount).map_err(|source| {
-                    let platform = scene.platforms[mount.platform].clone();
-                    BuildErrors::from(BuildError::Lost { platform, pulse, source })
-                })
-            })
-            .collect()
     }
 
     /// Powers of a path in the channels of its pair, W.
@@ -362,7 +336,7 @@ impl Sights<'_> {
         path: &Path,
         at: &Scatterer<'_>,
     ) -> Vec<(usize, f64)> {
-        let radar = &self.scene.radar;
+        let radar = &self.prepared.scene().radar;
         let (transmitter, receiver) =
             (&radar.transmitters[pair.transmitter], &radar.receivers[pair.receiver]);
         let link = Link::of(radar, pair.transmitter);
@@ -387,6 +361,18 @@ impl Sights<'_> {
             })
             .collect()
     }
+}
+
+/// All antennas at a pulse, transmitters first.
+fn stand(at: Moment<'_>) -> Result<Vec<Stood>, BuildErrors> {
+    let of = |(_, mount): (&str, &AntennaMount)| {
+        let (centre, frame) = at.antenna(mount)?;
+        let axes = DMat3::from_quat(frame.raw());
+        let up = at.scene().frame.earth().up(centre.position).raw();
+        let basis = PortBasis::of(PolarisationBasis::of(&mount.pattern), axes, up);
+        Ok(Stood { centre, axes, basis })
+    };
+    mounts(&at.scene().radar).map(of).collect()
 }
 
 fn widen(span: &mut [f64; 2], value: f64) {
@@ -518,7 +504,10 @@ mod tests {
     fn budget(overrides: &[(&str, &str)]) -> LinkBudget {
         let overrides: Vec<_> =
             overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-        link_budget(&config::parse(BUOY, FilePath::new("buoy.toml"), &overrides).unwrap()).unwrap()
+        link_budget(
+            &Prepared::of(&config::parse(BUOY, FilePath::new("buoy.toml"), &overrides).unwrap()).unwrap(),
+        )
+        .unwrap()
     }
 
     #[test]

@@ -29,32 +29,23 @@ pub mod polarisation;
 mod ships;
 
 use serde::Serialize;
-use thiserror::Error;
 
 pub use ships::{DENSITY_KGPM3, ShipOutlook, presence_word};
 
-use crate::config::Run;
 use crate::frames::{Earth, Enu, Point, Vector};
 use crate::geometry::horizon;
-use crate::motion::PlatformTracks;
-use crate::motion::pointing::{PhaseCentre, Surroundings};
-use crate::motion::track::TrackError;
 use crate::paths::snapshot::Snapshot;
-use crate::pipeline::fault::{BuildError, BuildErrors};
+use crate::pipeline::fault::BuildErrors;
+use crate::pipeline::prepared::{Moment, Prepared};
 use crate::pipeline::stages::PulseFactory;
-use crate::pipeline::tracks::tracks;
-use crate::radar::fault::RadarError;
-use crate::radar::waveform;
+use crate::radar::fault::{RadarError, mounts};
+use crate::radar::waveform::Waveform;
 use crate::radar::window::Window;
-use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair};
-use crate::scene::sea::{PatchPlace, Sea};
-use crate::scene::{Patch, Scene};
-use crate::sea::realise::RealiseError;
+use crate::scene::{Patch, Scene, Sea};
+use crate::sea::realise::Realised;
 use crate::sea::spectrum::moments::Moments;
-use crate::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, of_water, sampling};
-use crate::sea::wake::{free_waves, kochin};
-use crate::sea::wind::{EXTRAPOLATED_ABOVE_MPS, Wind};
-use crate::time::TimeTag;
+use crate::sea::spectrum::{MAX_WAVE_NUMBER_RAD_M, sampling};
+use crate::sea::wind::EXTRAPOLATED_ABOVE_MPS;
 use crate::transport::schedule::Schedule;
 use crate::units::{SPEED_OF_LIGHT_MPS, neat};
 
@@ -101,7 +92,7 @@ pub struct Adequacy {
     pub ships: Vec<ShipOutlook>,
     /// What is legal but worth knowing.
     #[serde(skip)]
-    pub warnings: Vec<SeaWarning>,
+    pub warnings: Vec<String>,
 }
 
 /// The power that comes and goes when a following patch moves by one row, dB below all that is received: the
@@ -124,193 +115,13 @@ pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64
     Ok(edges.reduce(f64::max))
 }
 
-/// Something about a sea that the user should know.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum SeaWarning {
-    /// Too short for its waves.
-    #[error(
-        "the patch of {} m x {} m is shorter than the {least_m:.0} m that its spectrum asks for: long waves are coarsely drawn",
-        size_m[0], size_m[1]
-    )]
-    ShortPatch {
-        /// Its size, m.
-        size_m: [f64; 2],
-        /// What the spectrum asks for, m.
-        least_m: f64,
-    },
-    /// Not enough facets for speckle.
-    #[error(
-        "{facets:.1} facets in a resolution cell of {ground_range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): \
-         below {least} its speckle is not Rayleigh's; scene.facet_m of at most {at_most_m} would do, with {more:.1} times as many facets",
-        least = sampling::LEAST_FACETS_PER_CELL
-    )]
-    FewFacets {
-        /// Facets in the cell.
-        facets: f64,
-        /// The cell in ground range, m.
-        ground_range_m: f64,
-        /// Longest side of a facet that has enough of them, m, rounded down.
-        at_most_m: f64,
-        /// How many times as many facets the patch then has: their cost.
-        more: f64,
-    },
-    /// Facets that the radar resolves.
-    #[error("facets of {facet_m} m are longer than a resolution cell of {ground_range_m:.2} m ground range")]
-    LongFacets {
-        /// Side of a facet, m.
-        facet_m: f64,
-        /// The cell in ground range, m.
-        ground_range_m: f64,
-    },
-    /// Rows enter and leave where they are received.
-    #[error(
-        "facets entering and leaving the moving patch contribute at {edge_db:.0} dB of the sea echo; below {EDGE_BUDGET_DB} dB \
-         the edge is negligible: a larger patch or a shorter window helps"
-    )]
-    Edge {
-        /// Power of the edge rows, dB of all that is received.
-        edge_db: f64,
-    },
-    /// Nothing is received.
-    #[error(
-        "the receive window misses the patch at pulse {pulse}: it holds full echoes that begin {window_us:?} us after the emission, \
-         those of the patch begin {patch_us:?} us"
-    )]
-    OutsideWindow {
-        /// The pulse.
-        pulse: u64,
-        /// When echoes that the window holds begin, microseconds after the emission.
-        window_us: [f64; 2],
-        /// When those of the patch begin.
-        patch_us: [f64; 2],
-    },
-    /// Too strong a wind.
-    #[error(
-        "wind of {u10_mps:.1} m/s at 10 m: above {EXTRAPOLATED_ABOVE_MPS} m/s the laws of wind and waves are extrapolations, \
-         and a linear sea is a rough model"
-    )]
-    StrongWind {
-        /// Speed at 10 m, m/s.
-        u10_mps: f64,
-    },
-    /// Behind the curve of the earth.
-    #[error(
-        "{:.0} % of the patch lie beyond the horizon of \"{antenna}\" at pulse {pulse}{}: it sees the sea to {:.1} km, the patch \
-         lies {:.1} to {:.1} km away",
-        100.0 * share,
-        if *hidden { " and are dark" } else { ", and are illuminated all the same (scene.horizon = false)" },
-        horizon_m / 1e3,
-        distance_m[0] / 1e3,
-        distance_m[1] / 1e3
-    )]
-    BeyondHorizon {
-        /// The transmitter or receiver.
-        antenna: String,
-        /// Share of the patch, 0 to 1.
-        share: f64,
-        /// The pulse.
-        pulse: u64,
-        /// How far the antenna sees the mean surface, m.
-        horizon_m: f64,
-        /// Nearest and farthest point of the patch, m.
-        distance_m: [f64; 2],
-        /// Whether it is dark there.
-        hidden: bool,
-    },
-    /// A ship without waves.
-    #[error(
-        "ship \"{ship}\" raises no waves at {speed_mps} m/s: slower than {} m/s they are ripples",
-        kochin::LEAST_SPEED_MPS
-    )]
-    SlowShip {
-        /// The ship.
-        ship: String,
-        /// Its speed, m/s.
-        speed_mps: f64,
-    },
-    /// Waves too short for the facets.
-    #[error(
-        "no waves of ship \"{ship}\" on the map: the longest, {longest_m:.2} m, are shorter than {} facets of {facet_m} m",
-        free_waves::LEAST_FACETS_A_WAVE
-    )]
-    UnresolvedWake {
-        /// The ship.
-        ship: String,
-        /// Its longest waves, m.
-        longest_m: f64,
-        /// Side of a facet, m.
-        facet_m: f64,
-    },
-    /// Waves that the band limit takes away.
-    #[error(
-        "no waves of ship \"{ship}\" on the map: the longest, {longest_m:.2} m, are beyond its band limit of {limit_radpm} rad/m"
-    )]
-    BandLimitedWake {
-        /// The ship.
-        ship: String,
-        /// Its longest waves, m.
-        longest_m: f64,
-        /// The limit, rad/m.
-        limit_radpm: f64,
-    },
-    /// Nothing that could echo.
-    #[error(
-        "ship \"{ship}\" has echo = true, but mesh = false and its hull has no [[scatterer]]: it returns nothing"
-    )]
-    NoScatterers {
-        /// The ship.
-        ship: String,
-    },
-    /// A mesh whose up is another's port.
-    #[error(
-        "superstructure of ship \"{ship}\" lies on its side: {}; up = \"{up}\" would turn it",
-        description::ships::mesh_text(*extents_m)
-    )]
-    MeshOnItsSide {
-        /// The ship.
-        ship: String,
-        /// Its extents, m.
-        extents_m: [[f64; 2]; 3],
-        /// The key's other word.
-        up: &'static str,
-    },
-    /// A mesh in another unit.
-    #[error(
-        "superstructure of ship \"{ship}\" is {largest_m:.0} m wide, the ship {length_m:.0} m long: is its file in metres?"
-    )]
-    LargeMesh {
-        /// The ship.
-        ship: String,
-        /// Its largest extent, m.
-        largest_m: f64,
-        /// Length of the ship, m.
-        length_m: f64,
-    },
-    /// A ship that misses the patch.
-    #[error(
-        "ship \"{ship}\" lies outside the patch of sea at the start, middle and end of the run{}",
-        if *reached { ": its wake reaches it" } else { ", and so does its wake" }
-    )]
-    ShipOutside {
-        /// The ship.
-        ship: String,
-        /// Whether its wake is on the patch.
-        reached: bool,
-    },
-}
-
 /// The adequacy of a run's sea; `None` without one.
 ///
 /// # Errors
-/// What keeps the run from being built: wind, spectrum, tracks, waveform, radar, ships.
-pub fn adequacy(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
-    let scene = &run.scene;
-    let Some(sea) = &scene.sea else { return Ok(None) };
-    let wind = Wind::resolve(&sea.water.wind).map_err(RealiseError::from)?;
-    let spectrum = of_water(&sea.water, &wind).map_err(RealiseError::from)?;
-    let (tracks, _) = tracks(&run.nav, scene)?;
-    let waveform = waveform::from_description(&scene.radar.waveform)?;
+/// What keeps the run from being built: wind, spectrum, waveform, tracks that end early, ships.
+pub fn adequacy(prepared: &Prepared) -> Result<Option<Adequacy>, BuildErrors> {
+    let Some((sea, Realised { wind, spectrum, .. })) = prepared.sea()? else { return Ok(None) };
+    let waveform = prepared.waveform()?;
     let moments = Moments::of(spectrum.as_ref(), [LONGEST_RAD_M, MAX_WAVE_NUMBER_RAD_M]);
     let peak_rad_m = spectrum.peak_rad_m();
     let mut adequacy = Adequacy {
@@ -332,21 +143,23 @@ pub fn adequacy(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
     };
     let size_m = sea.patch.size_m();
     if size_m.iter().any(|&side| side < adequacy.least_length_m) {
-        let least_m = adequacy.least_length_m;
-        adequacy.warnings.push(SeaWarning::ShortPatch { size_m, least_m });
+        adequacy.warnings.push(format!(
+            "the patch of {} m x {} m is shorter than the {:.0} m that its spectrum asks for: long waves are coarsely drawn",
+            size_m[0], size_m[1], adequacy.least_length_m
+        ));
     }
     if wind.is_extrapolated() {
-        adequacy.warnings.push(SeaWarning::StrongWind { u10_mps: wind.u10_mps });
+        adequacy.warnings.push(format!(
+            "wind of {:.1} m/s at 10 m: above {EXTRAPOLATED_ABOVE_MPS} m/s the laws of wind and waves are extrapolations, \
+             and a linear sea is a rough model",
+            wind.u10_mps
+        ));
     }
-    let last = scene.pulses.saturating_sub(1);
-    let mut pulses = vec![0, last / 2, last];
-    pulses.dedup();
-    let views: Vec<View<'_>> =
-        pulses.into_iter().map(|pulse| View { scene, sea, tracks: &tracks, pulse }).collect();
-    for view in &views {
-        view.assess(waveform.bandwidth_hz(), waveform.duration_s(), &mut adequacy)?;
+    let mut known = Known::default();
+    for at in prepared.spread(3) {
+        assess(at, sea, waveform.as_ref(), &mut known, &mut adequacy)?;
     }
-    ships::ships(&views, &mut adequacy)?;
+    ships::ships(prepared, sea, &mut adequacy)?;
     if let Some(ground_range_m) = adequacy.ground_range_m {
         let facet_m = sea.patch.facet_m;
         let facets = sampling::facets_per_cell(facet_m, [ground_range_m, AZIMUTH_M]);
@@ -357,161 +170,133 @@ pub fn adequacy(run: &Run) -> Result<Option<Adequacy>, BuildErrors> {
             let unit_m = 10f64.powf(enough_m.log10().floor() - 1.0);
             let at_most_m = neat((enough_m / unit_m).floor() * unit_m);
             let more = (facet_m / at_most_m).powi(2);
-            adequacy.warnings.push(SeaWarning::FewFacets { facets, ground_range_m, at_most_m, more });
+            adequacy.warnings.push(format!(
+                "{facets:.1} facets in a resolution cell of {ground_range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): \
+                 below {} its speckle is not Rayleigh's; scene.facet_m of at most {at_most_m} m would do, with {more:.1} times as many facets",
+                sampling::LEAST_FACETS_PER_CELL
+            ));
         }
         if facet_m > ground_range_m {
-            adequacy.warnings.push(SeaWarning::LongFacets { facet_m, ground_range_m });
+            adequacy.warnings.push(format!(
+                "facets of {facet_m} m are longer than a resolution cell of {ground_range_m:.2} m ground range"
+            ));
         }
     }
     Ok(Some(adequacy))
 }
 
-/// The patch as it is seen at a pulse.
-struct View<'a> {
-    scene: &'a Scene,
-    sea: &'a Sea,
-    tracks: &'a [PlatformTracks],
-    pulse: u64,
+/// What has been warned of at an earlier pulse.
+#[derive(Default)]
+struct Known<'a> {
+    outside: bool,
+    beyond_horizon: Vec<&'a str>,
 }
 
-impl View<'_> {
-    fn assess(&self, bandwidth_hz: f64, pulse_s: f64, adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
-        let radar = &self.scene.radar;
-        let patch = self.patch()?;
-        let pairs = radar.pairs();
-        let ends = pairs.iter().map(|pair| self.ends(*pair)).collect::<Result<Vec<_>, _>>()?;
-        let points = self.lattice(&patch);
-        let Some((first, rest)) = ends.split_first() else { return Ok(()) };
+/// The patch as it is seen at a pulse.
+fn assess<'a>(
+    at: Moment<'a>,
+    sea: &Sea,
+    waveform: &dyn Waveform,
+    known: &mut Known<'a>,
+    adequacy: &mut Adequacy,
+) -> Result<(), BuildErrors> {
+    let (scene, radar) = (at.scene(), &at.scene().radar);
+    let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
+    let patch = at.patch(sea)?;
+    let pairs = radar.pairs();
+    let ends = pairs.iter().map(|pair| at.ends(*pair)).collect::<Result<Vec<_>, _>>()?;
+    let points = lattice(scene, &patch);
+    let Some((first, rest)) = ends.split_first() else { return Ok(()) };
 
-        let key = [0, 1].map(|axis| patch.first[axis] + (patch.facets[axis] / 2) as i64);
-        let [x_m, y_m] = patch.centre_m(key);
-        let middle = self.scene.frame.above_sea(x_m, y_m, 0.0);
-        let gradient = first.iter().fold(Vector::<Enu>::ZERO, |sum, end| sum + toward(*end, middle));
-        let [east, north, _] = gradient.to_array();
-        let ground_range_m = SPEED_OF_LIGHT_MPS / (bandwidth_hz * east.hypot(north));
-        let [width_m, height_m] = patch.size_m();
-        // Below an antenna the cell grows without bound.
-        if ground_range_m <= width_m.hypot(height_m) {
-            let finest_m = adequacy.ground_range_m.map_or(ground_range_m, |known| known.min(ground_range_m));
-            adequacy.ground_range_m = Some(finest_m);
-        }
-
-        let opens_s = self.opens_s(*first)?;
-        let window = Window::new(radar, opens_s, pulse_s);
-        let closes_s = window.close_s - pulse_s;
-        let interval_s = 1.0 / radar.emissions.mean_prf_hz();
-        let mut patch_s = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut held = 0_usize;
-        for ends in std::iter::once(first).chain(rest) {
-            for point in &points {
-                let delay_s = ends.iter().map(|end| (*end - *point).norm()).sum::<f64>() / SPEED_OF_LIGHT_MPS;
-                patch_s = [patch_s[0].min(delay_s), patch_s[1].max(delay_s)];
-                held += usize::from(window.receives(delay_s, interval_s));
-            }
-        }
-        let share = held as f64 / (ends.len() * points.len()) as f64;
-        let warned = |what: fn(&SeaWarning) -> bool, adequacy: &Adequacy| adequacy.warnings.iter().any(what);
-        if held == 0 && !warned(|w| matches!(w, SeaWarning::OutsideWindow { .. }), adequacy) {
-            let us = |times_s: [f64; 2]| times_s.map(|s| (s * 1e8).round() / 1e2);
-            let (window_us, patch_us) = (us([opens_s, closes_s]), us(patch_s));
-            adequacy.warnings.push(SeaWarning::OutsideWindow { pulse: self.pulse, window_us, patch_us });
-        }
-        adequacy.share_in_window = adequacy.share_in_window.min(share);
-        self.horizons(&points, adequacy)
+    let key = [0, 1].map(|axis| patch.first[axis] + (patch.facets[axis] / 2) as i64);
+    let [x_m, y_m] = patch.centre_m(key);
+    let middle = scene.frame.above_sea(x_m, y_m, 0.0);
+    let gradient = first.iter().fold(Vector::<Enu>::ZERO, |sum, end| sum + toward(*end, middle));
+    let [east, north, _] = gradient.to_array();
+    let ground_range_m = SPEED_OF_LIGHT_MPS / (bandwidth_hz * east.hypot(north));
+    let [width_m, height_m] = patch.size_m();
+    // Below an antenna the cell grows without bound.
+    if ground_range_m <= width_m.hypot(height_m) {
+        let finest_m = adequacy.ground_range_m.map_or(ground_range_m, |known| known.min(ground_range_m));
+        adequacy.ground_range_m = Some(finest_m);
     }
 
-    /// Which antennas do not see all of the patch: each is named once.
-    fn horizons(&self, points: &[Point<Enu>], adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
-        let earth = self.scene.frame.earth();
-        if earth == Earth::Flat {
-            return Ok(());
-        }
-        let radar = &self.scene.radar;
-        let transmitters = radar.transmitters.iter().map(|tx| (&tx.name, &tx.antenna));
-        let receivers = radar.receivers.iter().map(|rx| (&rx.name, &rx.antenna));
-        for (name, mount) in transmitters.chain(receivers) {
-            let end = self.phase_centre(mount)?;
-            let horizon_m = horizon::distance_m(earth, [horizon::height_m(earth, end), 0.0]);
-            let away_m = || points.iter().map(|point| horizon::apart_m(end, *point));
-            let share = away_m().filter(|far_m| *far_m > horizon_m).count() as f64 / points.len() as f64;
-            let distance_m = [away_m().fold(f64::INFINITY, f64::min), away_m().fold(0.0, f64::max)];
-            let hidden = self.scene.frame.hiding_earth() != Earth::Flat;
-            let known =
-                |w: &SeaWarning| matches!(w, SeaWarning::BeyondHorizon { antenna, .. } if antenna == name);
-            if share > 0.0 && !adequacy.warnings.iter().any(known) {
-                let (antenna, pulse) = (name.clone(), self.pulse);
-                adequacy.warnings.push(SeaWarning::BeyondHorizon {
-                    antenna,
-                    share,
-                    pulse,
-                    horizon_m,
-                    distance_m,
-                    hidden,
-                });
-            }
-        }
-        Ok(())
-    }
-
-    fn time(&self) -> TimeTag {
-        self.scene.start.plus(self.scene.radar.emissions.interval_s(0, self.pulse))
-    }
-
-    fn aim_point(&self, aim: &Aim, aim_from: AimFrom) -> Result<Point<Enu>, BuildErrors> {
-        let (frame, start) = (&self.scene.frame, self.scene.start);
-        let surroundings = Surroundings { tracks: self.tracks, frame, start };
-        let platform = if let Aim::Beside { platform, .. } = aim { *platform } else { 0 };
-        let (point, _) = surroundings.aim_point(aim, aim_from, self.time()).map_err(self.lost(platform))?;
-        Ok(point)
-    }
-
-    /// The fault of a track that does not reach to this pulse.
-    fn lost(&self, platform: usize) -> impl Fn(TrackError) -> BuildError {
-        let (platform, pulse) = (self.scene.platforms[platform].clone(), self.pulse);
-        move |source| BuildError::Lost { platform: platform.clone(), pulse, source }
-    }
-
-    fn patch(&self) -> Result<Patch, BuildErrors> {
-        let patch = self.sea.patch;
-        let PatchPlace::Follow { aim, aim_from } = &self.sea.place else { return Ok(patch) };
-        let point = self.aim_point(aim, *aim_from)?;
-        let [x_m, y_m, _] = point.to_array();
-        Ok(patch.centred_at([x_m, y_m]))
-    }
-
-    fn phase_centre(&self, mount: &AntennaMount) -> Result<Point<Enu>, BuildErrors> {
-        let track = &self.tracks[mount.platform].truth;
-        let state = track.state(self.time()).map_err(self.lost(mount.platform))?;
-        Ok(PhaseCentre::of(&state, mount.lever_arm).position)
-    }
-
-    fn ends(&self, pair: Pair) -> Result<[Point<Enu>; 2], BuildErrors> {
-        let radar = &self.scene.radar;
-        let transmitter = self.phase_centre(&radar.transmitters[pair.transmitter].antenna)?;
-        Ok([transmitter, self.phase_centre(&radar.receivers[pair.receiver].antenna)?])
-    }
-
-    /// When the window opens after the emission.
-    fn opens_s(&self, ends: [Point<Enu>; 2]) -> Result<f64, BuildErrors> {
-        match &self.scene.radar.window.gate {
-            Gate::Fixed { start_s } => Ok(*start_s),
-            Gate::Follow { aim, lead_s, aim_from } => {
-                let point = self.aim_point(aim, *aim_from)?;
-                let path_m: f64 = ends.iter().map(|end| (*end - point).norm()).sum();
-                Ok(path_m / SPEED_OF_LIGHT_MPS - lead_s)
-            }
+    let opens_s = at.opens_s(first)?;
+    let window = Window::new(radar, opens_s, pulse_s);
+    let closes_s = window.close_s - pulse_s;
+    let interval_s = 1.0 / radar.emissions.mean_prf_hz();
+    let mut patch_s = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut held = 0_usize;
+    for ends in std::iter::once(first).chain(rest) {
+        for point in &points {
+            let delay_s = ends.iter().map(|end| (*end - *point).norm()).sum::<f64>() / SPEED_OF_LIGHT_MPS;
+            patch_s = [patch_s[0].min(delay_s), patch_s[1].max(delay_s)];
+            held += usize::from(window.receives(delay_s, interval_s));
         }
     }
-
-    /// Points of the mean surface over the patch, its corners among them.
-    fn lattice(&self, patch: &Patch) -> Vec<Point<Enu>> {
-        let low = patch.centre_m(patch.first);
-        let steps = patch.facets.map(|n| (n - 1) as f64 * patch.facet_m / (LATTICE - 1) as f64);
-        let place = |i: usize, axis: usize| low[axis] + i as f64 * steps[axis];
-        (0..LATTICE * LATTICE)
-            .map(|i| self.scene.frame.above_sea(place(i % LATTICE, 0), place(i / LATTICE, 1), 0.0))
-            .collect()
+    let share = held as f64 / (ends.len() * points.len()) as f64;
+    if held == 0 && !std::mem::replace(&mut known.outside, true) {
+        let us = |times_s: [f64; 2]| times_s.map(|s| (s * 1e8).round() / 1e2);
+        adequacy.warnings.push(format!(
+            "the receive window misses the patch at pulse {}: it holds full echoes that begin {:?} us after the emission, \
+             those of the patch begin {:?} us",
+            at.pulse,
+            us([opens_s, closes_s]),
+            us(patch_s)
+        ));
     }
+    adequacy.share_in_window = adequacy.share_in_window.min(share);
+    horizons(at, &points, known, adequacy)
+}
+
+/// Which antennas do not see all of the patch: each is named once.
+fn horizons<'a>(
+    at: Moment<'a>,
+    points: &[Point<Enu>],
+    known: &mut Known<'a>,
+    adequacy: &mut Adequacy,
+) -> Result<(), BuildErrors> {
+    let scene = at.scene();
+    let earth = scene.frame.earth();
+    if earth == Earth::Flat {
+        return Ok(());
+    }
+    for (name, mount) in mounts(&scene.radar) {
+        let end = at.phase_centre(mount)?.position;
+        let horizon_m = horizon::distance_m(earth, [horizon::height_m(earth, end), 0.0]);
+        let away_m = || points.iter().map(|point| horizon::apart_m(end, *point));
+        let share = away_m().filter(|far_m| *far_m > horizon_m).count() as f64 / points.len() as f64;
+        if share == 0.0 || known.beyond_horizon.contains(&name) {
+            continue;
+        }
+        known.beyond_horizon.push(name);
+        let hidden = scene.frame.hiding_earth() != Earth::Flat;
+        let dark = if hidden {
+            " and are dark"
+        } else {
+            ", and are illuminated all the same (scene.horizon = false)"
+        };
+        adequacy.warnings.push(format!(
+            "{:.0} % of the patch lie beyond the horizon of \"{name}\" at pulse {}{dark}: it sees the sea to {:.1} km, the patch \
+             lies {:.1} to {:.1} km away",
+            100.0 * share,
+            at.pulse,
+            horizon_m / 1e3,
+            away_m().fold(f64::INFINITY, f64::min) / 1e3,
+            away_m().fold(0.0, f64::max) / 1e3
+        ));
+    }
+    Ok(())
+}
+
+/// Points of the mean surface over the patch, its corners among them.
+fn lattice(scene: &Scene, patch: &Patch) -> Vec<Point<Enu>> {
+    let low = patch.centre_m(patch.first);
+    let steps = patch.facets.map(|n| (n - 1) as f64 * patch.facet_m / (LATTICE - 1) as f64);
+    let place = |i: usize, axis: usize| low[axis] + i as f64 * steps[axis];
+    (0..LATTICE * LATTICE)
+        .map(|i| scene.frame.above_sea(place(i % LATTICE, 0), place(i / LATTICE, 1), 0.0))
+        .collect()
 }
 
 /// Unit vector from a point towards an antenna; zero where they coincide.

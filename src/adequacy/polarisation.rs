@@ -5,22 +5,18 @@
 //! the first, middle and last pulse, where the gain of the antenna lies within [`USED_DB`] of its peak.
 
 use glam::DVec3;
-use thiserror::Error;
 
-use super::View;
-use crate::config::Run;
+use super::lattice;
+use super::link_budget::open_all;
 use crate::frames::{Enu, Point, Vector};
-use crate::motion::PlatformTracks;
-use crate::motion::pointing::{PhaseCentre, Surroundings};
-use crate::motion::track::{State, TrackError};
-use crate::pipeline::fault::{BuildError, BuildErrors};
-use crate::pipeline::tracks::tracks;
+use crate::motion::pointing::PhaseCentre;
+use crate::pipeline::fault::BuildErrors;
+use crate::pipeline::prepared::{Moment, Prepared};
 use crate::radar::antenna::Antenna;
-use crate::radar::fault::{RadarError, RadarFault};
+use crate::radar::fault::mounts;
 use crate::scattering::target::Scatterer;
+use crate::scene::Target;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};
-use crate::scene::{Scene, Target};
-use crate::time::TimeTag;
 
 /// One-way power below the peak at which a direction is no longer one that an antenna is used in, dB.
 pub const USED_DB: f64 = 30.0;
@@ -29,86 +25,37 @@ pub const WIDEST_DEG: f64 = 60.0;
 /// Angle to the vertical within which H and V of an isotropic antenna turn quickly with the azimuth, degrees.
 pub const OVERHEAD_DEG: f64 = 10.0;
 
-/// An antenna that is used where its polarisation basis is ill-defined.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum PolarisationWarning {
-    /// Far off the boresight.
-    #[error(
-        "\"{antenna}\" is used {off_deg:.0} degrees off its boresight at pulse {pulse} (towards {towards}), less than {USED_DB} dB \
-         below its peak gain: beyond {WIDEST_DEG} degrees H and V by Ludwig's third definition are not those of a real antenna; \
-         point it there"
-    )]
-    FarOff {
-        /// The transmitter or receiver.
-        antenna: String,
-        /// Largest angle, degrees.
-        off_deg: f64,
-        /// The pulse.
-        pulse: u64,
-        /// What lies there.
-        towards: String,
-    },
-    /// Overhead or beneath.
-    #[error(
-        "isotropic antenna \"{antenna}\" is used {off_deg:.1} degrees from the vertical at pulse {pulse} (towards {towards}): within \
-         {OVERHEAD_DEG} degrees its H and V turn with the azimuth, and straight up and down they have no limit; an aperture \
-         that points there has"
-    )]
-    Overhead {
-        /// The transmitter or receiver.
-        antenna: String,
-        /// Least angle to the vertical, degrees.
-        off_deg: f64,
-        /// The pulse.
-        pulse: u64,
-        /// What lies there.
-        towards: String,
-    },
-}
-
 /// What is worth knowing of the polarisation bases of a run: of each antenna the worst direction.
 ///
 /// # Errors
-/// Tracks that cannot be loaded, or end before the run.
-pub fn polarisation(run: &Run) -> Result<Vec<PolarisationWarning>, BuildErrors> {
-    let scene = &run.scene;
-    let (tracks, _) = tracks(&run.nav, scene)?;
-    let last = scene.pulses.saturating_sub(1);
-    let mut pulses = vec![0, last / 2, last];
-    pulses.dedup();
-    let radar = &scene.radar;
-    let transmitters = radar.transmitters.iter().map(|tx| (&tx.name, &tx.antenna));
-    let receivers = radar.receivers.iter().map(|rx| (&rx.name, &rx.antenna));
+/// Patterns that cannot be read, tracks that end before the run.
+pub fn polarisation(prepared: &Prepared) -> Result<Vec<String>, BuildErrors> {
+    let scene = prepared.scene();
+    let antennas = open_all(&scene.radar)?;
     let mut warnings = Vec::new();
-    for (place, (name, mount)) in transmitters.chain(receivers).enumerate() {
-        let antenna = Antenna::open(&mount.pattern, radar.wavelength_m()).map_err(|source| {
-            RadarError::Faults(vec![RadarFault::Pattern { antenna: name.clone(), source }])
-        })?;
-        let mut worst: Option<(f64, PolarisationWarning)> = None;
-        for &pulse in &pulses {
-            let at = Instant { scene, tracks: &tracks, pulse };
-            let state = at.state(mount)?;
-            let own = PhaseCentre::of(&state, mount.lever_arm).position;
+    for (place, ((name, mount), antenna)) in mounts(&scene.radar).zip(&antennas).enumerate() {
+        let mut worst: Option<(f64, String)> = None;
+        for at in prepared.spread(3) {
+            let (PhaseCentre { position: own, .. }, frame) = at.antenna(mount)?;
             let up = scene.frame.earth().up(own).raw();
-            let surroundings = Surroundings { tracks: &tracks, frame: &scene.frame, start: scene.start };
-            let frame = surroundings
-                .antenna_frame(mount, state.attitude, at.time())
-                .map_err(|source| at.lost(mount, source))?;
-            for (towards, point) in at.used(place)? {
+            for (towards, point) in used(at, place)? {
                 let Some(d) = (point - own).raw().try_normalize() else { continue };
                 let in_frame = frame.inverse() * Vector::<Enu>::from_raw(d);
-                let found = judge(&antenna, mount, in_frame.raw(), d, up);
+                let found = judge(antenna, mount, in_frame.raw(), d, up);
                 let Some((badness, off_deg)) = found else { continue };
                 if worst.as_ref().is_none_or(|(known, _)| badness > *known) {
-                    let antenna = name.clone();
+                    let pulse = at.pulse;
                     let warning = match PolarisationBasis::of(&mount.pattern) {
-                        PolarisationBasis::Ludwig3 => {
-                            PolarisationWarning::FarOff { antenna, off_deg, pulse, towards }
-                        }
-                        PolarisationBasis::LocalHorizontal => {
-                            PolarisationWarning::Overhead { antenna, off_deg, pulse, towards }
-                        }
+                        PolarisationBasis::Ludwig3 => format!(
+                            "\"{name}\" is used {off_deg:.0} degrees off its boresight at pulse {pulse} (towards {towards}), less than {USED_DB} dB \
+                             below its peak gain: beyond {WIDEST_DEG} degrees H and V by Ludwig's third definition are not those of a real antenna; \
+                             point it there"
+                        ),
+                        PolarisationBasis::LocalHorizontal => format!(
+                            "isotropic antenna \"{name}\" is used {off_deg:.1} degrees from the vertical at pulse {pulse} (towards {towards}): within \
+                             {OVERHEAD_DEG} degrees its H and V turn with the azimuth, and straight up and down they have no limit; an aperture \
+                             that points there has"
+                        ),
                     };
                     worst = Some((badness, warning));
                 }
@@ -141,56 +88,29 @@ fn judge(
     }
 }
 
-/// A pulse of a run.
-struct Instant<'a> {
-    scene: &'a Scene,
-    tracks: &'a [PlatformTracks],
-    pulse: u64,
-}
-
-impl Instant<'_> {
-    fn time(&self) -> TimeTag {
-        self.scene.start.plus(self.scene.radar.emissions.interval_s(0, self.pulse))
+/// What antenna `place` (transmitters first) looks at.
+fn used(at: Moment<'_>, place: usize) -> Result<Vec<(String, Point<Enu>)>, BuildErrors> {
+    let (scene, radar) = (at.scene(), &at.scene().radar);
+    let of_target = |target: &Target| {
+        (format!("target \"{}\"", target.name), Scatterer::at(target, at.elapsed_s).position)
+    };
+    let mut points: Vec<(String, Point<Enu>)> = scene.targets.iter().map(of_target).collect();
+    if let Some(sea) = &scene.sea {
+        let lattice = lattice(scene, &at.patch(sea)?);
+        points.extend(lattice.into_iter().map(|point| ("the patch of sea".to_owned(), point)));
     }
-
-    fn lost(&self, mount: &AntennaMount, source: TrackError) -> BuildError {
-        let platform = self.scene.platforms[mount.platform].clone();
-        BuildError::Lost { platform, pulse: self.pulse, source }
-    }
-
-    fn state(&self, mount: &AntennaMount) -> Result<State, BuildError> {
-        let track = &self.tracks[mount.platform].truth;
-        track.state(self.time()).map_err(|source| self.lost(mount, source))
-    }
-
-    /// What antenna `place` (transmitters first) looks at.
-    fn used(&self, place: usize) -> Result<Vec<(String, Point<Enu>)>, BuildErrors> {
-        let Self { scene, tracks, pulse } = *self;
-        let radar = &scene.radar;
-        let elapsed_s = radar.emissions.interval_s(0, pulse);
-        let of_target = |target: &Target| {
-            (format!("target \"{}\"", target.name), Scatterer::at(target, elapsed_s).position)
-        };
-        let mut points: Vec<(String, Point<Enu>)> = scene.targets.iter().map(of_target).collect();
-        if let Some(sea) = &scene.sea {
-            let view = View { scene, sea, tracks, pulse };
-            let lattice = view.lattice(&view.patch()?);
-            points.extend(lattice.into_iter().map(|point| ("the patch of sea".to_owned(), point)));
+    if radar.direct_path {
+        for pair in radar.pairs() {
+            let (tx, rx) = (&radar.transmitters[pair.transmitter], &radar.receivers[pair.receiver]);
+            let (name, other) = if pair.transmitter == place {
+                (&rx.name, &rx.antenna)
+            } else if radar.transmitters.len() + pair.receiver == place {
+                (&tx.name, &tx.antenna)
+            } else {
+                continue;
+            };
+            points.push((format!("\"{name}\" on the direct path"), at.phase_centre(other)?.position));
         }
-        if radar.direct_path {
-            for pair in radar.pairs() {
-                let (tx, rx) = (&radar.transmitters[pair.transmitter], &radar.receivers[pair.receiver]);
-                let (name, other) = if pair.transmitter == place {
-                    (&rx.name, &rx.antenna)
-                } else if radar.transmitters.len() + pair.receiver == place {
-                    (&tx.name, &tx.antenna)
-                } else {
-                    continue;
-                };
-                let centre = PhaseCentre::of(&self.state(other)?, other.lever_arm);
-                points.push((format!("\"{name}\" on the direct path"), centre.position));
-            }
-        }
-        Ok(points)
     }
+    Ok(points)
 }

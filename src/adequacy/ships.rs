@@ -7,16 +7,18 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use super::{Adequacy, SeaWarning, View};
+use super::description::ships::mesh_text;
+use super::{Adequacy, lattice};
 use crate::pipeline::fault::{BuildError, BuildErrors};
+use crate::pipeline::prepared::Prepared;
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
 use crate::scene::mesh;
 use crate::scene::ship::{ShipMotion, UpAxis};
-use crate::scene::{Patch, Ship};
+use crate::scene::{Patch, Sea, Ship};
 use crate::sea::fleet::{self, FleetError, ShipError};
 use crate::sea::seakeeping::Seakeeping;
 use crate::sea::wake::kochin::{Kochin, Transom};
-use crate::sea::wake::{Presence, Reach, Settings, Wake};
+use crate::sea::wake::{Presence, Reach, Settings, Wake, free_waves, kochin};
 
 /// Density of sea water, kg/m^3.
 pub const DENSITY_KGPM3: f64 = 1025.0;
@@ -122,38 +124,51 @@ impl ShipOutlook {
     }
 
     /// What the user should know of its waves.
-    fn warning(&self, ship: &Ship, facet_m: f64) -> Option<SeaWarning> {
-        let ship_name = self.name.clone();
-        match self.waves {
-            "slow" => Some(SeaWarning::SlowShip { ship: ship_name, speed_mps: self.speed_mps }),
+    fn warning(&self, ship: &Ship, facet_m: f64) -> Option<String> {
+        let longest_m = self.transverse_wavelength_m.unwrap_or(0.0);
+        let why = match self.waves {
+            "slow" => {
+                let (speed_mps, least_mps) = (self.speed_mps, kochin::LEAST_SPEED_MPS);
+                let name = &self.name;
+                return Some(format!(
+                    "ship \"{name}\" raises no waves at {speed_mps} m/s: slower than {least_mps} m/s they are ripples"
+                ));
+            }
             "unresolved" => {
-                let longest_m = self.transverse_wavelength_m.unwrap_or(0.0);
-                Some(SeaWarning::UnresolvedWake { ship: ship_name, longest_m, facet_m })
+                format!("shorter than {} facets of {facet_m} m", free_waves::LEAST_FACETS_A_WAVE)
             }
             "band-limited" => {
                 let limit = ship.kelvin.and_then(|kelvin| kelvin.band_limit_radpm);
                 let limit_radpm = limit.unwrap_or(0.7 * std::f64::consts::PI / facet_m);
-                let longest_m = self.transverse_wavelength_m.unwrap_or(0.0);
-                Some(SeaWarning::BandLimitedWake { ship: ship_name, longest_m, limit_radpm })
+                format!("beyond its band limit of {limit_radpm} rad/m")
             }
-            _ => None,
-        }
+            _ => return None,
+        };
+        let name = &self.name;
+        Some(format!("no waves of ship \"{name}\" on the map: the longest, {longest_m:.2} m, are {why}"))
     }
 }
 
 /// What is odd of a superstructure on a hull of a length: it lies on its side, or is much larger than the
 /// ship.
-fn mesh_warning(ship: &Ship, length_m: f64, extents_m: [[f64; 2]; 3]) -> Option<SeaWarning> {
+fn mesh_warning(ship: &Ship, length_m: f64, extents_m: [[f64; 2]; 3]) -> Option<String> {
     let [along, across, up] = extents_m;
     let middle = |[low, high]: [f64; 2]| (0.5 * (low + high)).abs() / (high - low).max(f64::MIN_POSITIVE);
-    let name = ship.name.clone();
+    let name = &ship.name;
     // What stands on a ship lies on both sides of her plane of symmetry and above the waterline.
     if middle(up) < 0.05 && across[0] * across[1] >= 0.0 {
         let key = if ship.mesh.up == UpAxis::Z { "y" } else { "z" };
-        return Some(SeaWarning::MeshOnItsSide { ship: name, extents_m, up: key });
+        let extents = mesh_text(extents_m);
+        return Some(format!(
+            "superstructure of ship \"{name}\" lies on its side: {extents}; up = \"{key}\" would turn it"
+        ));
     }
     let largest_m = [along, across, up].map(|[low, high]| high - low).into_iter().fold(0.0, f64::max);
-    (largest_m > 1.5 * length_m).then_some(SeaWarning::LargeMesh { ship: name, largest_m, length_m })
+    (largest_m > 1.5 * length_m).then(|| {
+        format!(
+            "superstructure of ship \"{name}\" is {largest_m:.0} m wide, the ship {length_m:.0} m long: is its file in metres?"
+        )
+    })
 }
 
 /// The particular furthest from the stated one.
@@ -166,21 +181,23 @@ fn furthest_particular(hull: &Hull) -> Option<(&'static str, f64)> {
     .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
 
-/// Adds ships to an adequacy; `instants` are views of the patch.
-pub(super) fn ships(instants: &[View<'_>], adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
-    let Some(first) = instants.first() else { return Ok(()) };
-    let facet_m = first.sea.patch.facet_m;
+/// Adds ships to an adequacy.
+pub(super) fn ships(prepared: &Prepared, sea: &Sea, adequacy: &mut Adequacy) -> Result<(), BuildErrors> {
+    let facet_m = sea.patch.facet_m;
     let mut faults = Vec::new();
-    for ship in &first.scene.ships {
+    for ship in &prepared.scene().ships {
         match ShipOutlook::of(ship, facet_m) {
             Ok(found) => {
                 adequacy.warnings.extend(found.warning(ship, facet_m));
                 if ship.echo && found.scatterers + found.panels == 0 {
-                    adequacy.warnings.push(SeaWarning::NoScatterers { ship: ship.name.clone() });
+                    adequacy.warnings.push(format!(
+                        "ship \"{}\" has echo = true, but mesh = false and its hull has no [[scatterer]]: it returns nothing",
+                        ship.name
+                    ));
                 }
                 let mesh = found.superstructure_m;
                 adequacy.warnings.extend(mesh.and_then(|mesh| mesh_warning(ship, found.length_m, mesh)));
-                adequacy.warnings.extend(outside(ship, found.length_m, instants)?);
+                adequacy.warnings.extend(outside(ship, found.length_m, prepared, sea)?);
                 adequacy.ships.push(found);
             }
             Err(fault) => faults.push(BuildError::Ship(fault)),
@@ -190,24 +207,32 @@ pub(super) fn ships(instants: &[View<'_>], adequacy: &mut Adequacy) -> Result<()
 }
 
 /// A ship that is never on the patch, and whether its wake is.
-fn outside(ship: &Ship, length_m: f64, instants: &[View<'_>]) -> Result<Option<SeaWarning>, BuildErrors> {
+fn outside(
+    ship: &Ship,
+    length_m: f64,
+    prepared: &Prepared,
+    sea: &Sea,
+) -> Result<Option<String>, BuildErrors> {
     let course = fleet::course(ship);
     let mut reached = false;
-    for view in instants {
-        let patch = view.patch()?;
-        let time_s = view.scene.radar.emissions.interval_s(0, view.pulse);
-        let pose = course.pose(time_s);
+    for at in prepared.spread(3) {
+        let patch = at.patch(sea)?;
+        let pose = course.pose(at.elapsed_s);
         if holds(&patch, pose.position_m) {
             return Ok(None);
         }
-        reached |= view.lattice(&patch).iter().any(|point| {
+        reached |= lattice(at.scene(), &patch).iter().any(|point| {
             let [x_m, y_m, _] = point.to_array();
             let [astern_m, starboard_m] = pose.astern_starboard_m([x_m, y_m]);
             let behind_m = astern_m + 0.5 * length_m;
             behind_m > 0.0 && starboard_m.abs() <= WEDGE_TANGENT * behind_m
         });
     }
-    Ok(Some(SeaWarning::ShipOutside { ship: ship.name.clone(), reached }))
+    let wake = if reached { ": its wake reaches it" } else { ", and so does its wake" };
+    let name = &ship.name;
+    Ok(Some(format!(
+        "ship \"{name}\" lies outside the patch of sea at the start, middle and end of the run{wake}"
+    )))
 }
 
 fn holds(patch: &Patch, position_m: [f64; 2]) -> bool {

@@ -22,6 +22,7 @@
 
 use crate::pipeline::power::{mean_of, of_channel, powers};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -34,11 +35,13 @@ use crate::config::Run;
 use crate::echo::{Asked, Fidelity};
 use crate::fidelity::budget::Plan;
 use crate::fidelity::probe::spread_over;
+use crate::pipeline::build::{self, PulseStream};
 use crate::pipeline::changing;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::fault::PulseError;
 use crate::pipeline::memory::available_bytes;
 use crate::pipeline::memory::sea_bytes;
+use crate::pipeline::prepared::Prepared;
 use crate::pipeline::stages::PulseFactory;
 use crate::pulse::Samples;
 use crate::rng::{Room, stream};
@@ -76,6 +79,8 @@ pub struct Judge {
     means: Vec<f64>,
     threads: usize,
     pulses_per_s: f64,
+    /// What the run has in common with those that are judged.
+    prepared: Arc<Prepared>,
 }
 
 /// The same run without noise and converter, and without sinks.
@@ -140,16 +145,21 @@ impl Judge {
         threads: usize,
         passed: impl Fn(usize) + Sync,
     ) -> Result<Self, BuildErrors> {
-        Self::reference(run, pulses, threads, &passed)
+        Self::of(Arc::new(Prepared::of(run)?), pulses, threads, &passed)
     }
 
-    fn reference(
-        run: &Run,
+    /// The same of a run that is prepared.
+    ///
+    /// # Errors
+    /// As of [`Self::new`].
+    pub fn of(
+        prepared: Arc<Prepared>,
         pulses: Vec<u64>,
         threads: usize,
         passed: &(dyn Fn(usize) + Sync),
     ) -> Result<Self, BuildErrors> {
-        let factory = factory_for(run, &Fidelity::Reference)?;
+        let run = prepared.run();
+        let factory = factory_for(&prepared, run, &Fidelity::Reference)?;
         let one = sea_bytes(&run.scene, &Fidelity::Reference, 1).max(1);
         let fit = available_bytes().map_or(threads, |bytes| usize::try_from(bytes / one).unwrap_or(threads));
         let workers = threads.min(fit).max(1);
@@ -159,7 +169,8 @@ impl Judge {
         let channels = factory.layout().channels;
         drop(factory);
         let found: Vec<Vec<f64>> = samples.iter().map(|pulse| powers(pulse, channels)).collect();
-        let all = if pulses.len() as u64 == run.scene.pulses { None } else { over_the_run(run, threads)? };
+        let all =
+            if pulses.len() as u64 == run.scene.pulses { None } else { over_the_run(&prepared, threads)? };
         let means = match all {
             Some(all) => (0..channels)
                 .map(|channel| {
@@ -169,7 +180,7 @@ impl Judge {
                 .collect(),
             None => (0..channels).map(|channel| mean_of(&found, channel)).collect(),
         };
-        Ok(Self { pulses, samples, means, threads, pulses_per_s })
+        Ok(Self { pulses, samples, means, threads, pulses_per_s, prepared })
     }
 
     /// The pulses.
@@ -195,8 +206,13 @@ impl Judge {
     /// # Errors
     /// As [`Self::judge`].
     pub fn judge_with_plan(&self, run: &Run) -> Result<(Accuracy, Option<Plan>), BuildErrors> {
-        let factory = factory_for(run, &run.fidelity)?;
+        let factory = factory_for(&self.prepared, run, &run.fidelity)?;
         Ok((self.accuracy(&self.make(&factory)?), factory.plan().copied()))
+    }
+
+    /// A run without noise and converter, ready to start.
+    pub(crate) fn stream(&self, run: &Run) -> Result<PulseStream, BuildErrors> {
+        build::again(&self.prepared, &noiseless(run), 0..run.scene.pulses)
     }
 
     /// The pulses as a factory without noise and converter makes them.
@@ -216,11 +232,13 @@ impl Judge {
 }
 
 /// Powers of pulses spread over a run, `[pulse][channel]`; `None` where only the reference can make them.
-fn over_the_run(run: &Run, threads: usize) -> Result<Option<Vec<Vec<f64>>>, BuildErrors> {
+fn over_the_run(prepared: &Prepared, threads: usize) -> Result<Option<Vec<Vec<f64>>>, BuildErrors> {
+    let run = prepared.run();
     let asked = Asked { node_pulses: Some(1), ..Asked::error_db(OF_POWER_DB) };
-    let factory = factory_for(run, &Fidelity::Fast(asked))?;
+    let factory = factory_for(prepared, run, &Fidelity::Fast(asked))?;
     let count = if factory.facets() > 0 { OF_SEA } else { OF_POINTS }.min(run.scene.pulses);
-    let pulses: Vec<u64> = spread_over(run.scene.pulses, count).collect();
+    let cycle = run.scene.radar.tx_polarisation.cycle();
+    let pulses: Vec<u64> = spread_over(run.scene.pulses, count, cycle).collect();
     let channels = factory.layout().channels;
     match make(&factory, &pulses, threads, &|_| (), |samples| powers(samples, channels)) {
         Ok(powers) => Ok(Some(powers)),
@@ -276,10 +294,9 @@ fn compare(
     accuracy
 }
 
-/// A factory for a run without noise and converter.
-fn factory_for(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErrors> {
-    let run = noiseless(run);
-    changing::factory(&run, fidelity)
+/// A factory for a run without noise and converter, much like one that is prepared.
+fn factory_for(known: &Prepared, run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErrors> {
+    changing::factory_for(&known.again(&noiseless(run))?, fidelity)
 }
 
 /// What is kept of the samples, `[channel x sample]`, of pulses that stand in their order: blocks go to

@@ -5,7 +5,7 @@ use super::resources::Resources;
 use crate::adequacy::description::{Described, ECHO, LAND, Models, RAIN, described, models};
 use crate::adequacy::link_budget::{LinkBudget, link_budget};
 use crate::adequacy::polarisation::polarisation;
-use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, SeaWarning, adequacy, edge_db, hidden_targets};
+use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, adequacy, edge_db, hidden_targets};
 use crate::config::Run;
 use crate::fidelity::cost::CostTable;
 use crate::motion::PlatformNav;
@@ -64,20 +64,26 @@ impl Assessment {
     fn predict(&mut self, run: &Run) -> Result<(), BuildErrors> {
         let unrecorded = Run { sinks: Vec::new(), ..run.clone() };
         let stream = build::on_nominal_tracks(&unrecorded, 0..run.scene.pulses)?;
-        for note in stream.notes() {
+        let prepared = stream.prepared();
+        for note in prepared.notes() {
             let what = format!("{}, {} track", note.platform, note.role);
             self.tracks.push(described(&what, note.report.to_string()));
         }
-        self.link = Some(link_budget(run)?);
-        self.sea = adequacy(run)?;
+        self.link = Some(link_budget(prepared)?);
+        self.sea = adequacy(prepared)?;
         if let Some(sea) = &mut self.sea {
             sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;
             let strong = sea.edge_db.filter(|edge| *edge > EDGE_BUDGET_DB);
-            sea.warnings.extend(strong.map(|edge_db| SeaWarning::Edge { edge_db }));
+            sea.warnings.extend(strong.map(|edge_db| {
+                format!(
+                    "facets entering and leaving the moving patch contribute at {edge_db:.0} dB of the sea echo; below {EDGE_BUDGET_DB} dB \
+                     the edge is negligible: a larger patch or a shorter window helps"
+                )
+            }));
         }
         self.warnings.extend(hidden_targets::warnings(&stream).map_err(BuildErrors::from)?);
-        self.warnings.extend(self.sea.iter().flat_map(|sea| &sea.warnings).map(ToString::to_string));
-        self.warnings.extend(polarisation(run)?.iter().map(ToString::to_string));
+        self.warnings.extend(self.sea.iter().flat_map(|sea| sea.warnings.iter().cloned()));
+        self.warnings.extend(polarisation(prepared)?);
         self.plan(run, &stream);
         if let Some(dem) = stream.factory().dem()
             && let Some(row) = self.models.with.iter_mut().find(|row| row.what == LAND)
@@ -92,10 +98,10 @@ impl Assessment {
                 row.how += &format!(": {} would make more than {} at some pulse", drops::DROPS, drops::MOST);
             }
         }
-        self.warnings.extend(plausible::geometry(run)?.iter().map(ToString::to_string));
+        self.warnings.extend(plausible::geometry(prepared)?);
         let resources = stream.resources(&run.scene.radar).map_err(BuildErrors::from)?;
         let levels = resources.converter.iter().flat_map(|converter| converter.warnings());
-        self.warnings.extend(levels.map(|warning| warning.to_string()));
+        self.warnings.extend(levels);
         if resources.real_time_factor < 1.0 && run.stream.pace == Pace::Realtime {
             self.warnings.push(format!(
                 "{} times real time on this machine: a run in real time falls behind; --pace fast, or stream.pace = \"fast\"",

@@ -21,7 +21,7 @@ use crate::inputs::shown;
 use crate::pipeline::build;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::memory::available_bytes;
-use crate::pipeline::tracks::patch_at;
+use crate::pipeline::prepared::Prepared;
 use crate::pulse::gathered::Gathered;
 use crate::scene::Sea;
 use crate::scene::radar::Polarisation;
@@ -146,7 +146,7 @@ pub(super) const WAYS: [(&str, Found); 3] = [
 
 /// A scenario whose wind is turned about the look.
 pub(crate) struct Winds {
-    run: Run,
+    prepared: Prepared,
     sea: Sea,
     /// Direction in which the delay grows in the middle of the patch, counter-clockwise from East.
     look_rad: f64,
@@ -174,10 +174,11 @@ impl Winds {
         let mut run = noiseless(run);
         // Nothing waits to be released in time.
         run.stream.ring_slots = 1;
-        let middle_m = middle_m(&run, sea)?;
-        let look_rad = look_rad(&run, middle_m, channel)?;
+        let prepared = Prepared::of(&run)?;
+        let middle_m = middle_m(sea);
+        let look_rad = look_rad(&prepared, middle_m, channel);
         let place = Place { middle_m, patch_m: sea.patch.size_m(), most };
-        Ok(Self { run, sea: sea.clone(), look_rad, place })
+        Ok(Self { prepared, sea: sea.clone(), look_rad, place })
     }
 
     /// The echo of all pulses under a wind that blows `psi_rad` from the look: 0 downwind.
@@ -185,11 +186,11 @@ impl Winds {
     /// # Errors
     /// Pulses that do not fit in memory, a run that fails.
     pub fn echo(&self, psi_rad: f64, status: Option<Sender<Status>>) -> Result<Echo, ClutterError> {
-        let (mut run, mut sea) = (self.run.clone(), self.sea.clone());
+        let (mut run, mut sea) = (self.prepared.run().clone(), self.sea.clone());
         sea.water.wind.direction_rad = self.look_rad + psi_rad;
         run.scene.sea = Some(sea.clone());
         let total = run.scene.pulses;
-        let stream = build::on_nominal_tracks(&run, 0..total)?;
+        let stream = build::again(&self.prepared, &run, 0..total)?;
         let needed = (stream.factory().layout().slot_bytes() as u64).saturating_mul(total);
         if let Some(available) = available_bytes().filter(|available| needed > *available) {
             let path = run.path.clone();
@@ -227,20 +228,17 @@ impl Winds {
     }
 }
 
-/// Middle of the patch when the middle pulse leaves, East and North, m.
-fn middle_m(run: &Run, sea: &Sea) -> Result<[f64; 2], BuildErrors> {
-    let time_s = run.scene.radar.emissions.interval_s(0, run.scene.pulses / 2);
-    let patch = patch_at(run, sea, time_s)?;
+/// Middle of a patch that stays, East and North, m.
+fn middle_m(sea: &Sea) -> [f64; 2] {
+    let patch = sea.patch;
     let [low, high] = [0, patch.len() - 1].map(|place| patch.centre_m(patch.key(place)));
-    Ok([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])])
+    [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])]
 }
 
 /// Direction in which the delay grows in the middle of the patch, counter-clockwise from East: where the
 /// platforms are, lever arms left out.
-fn look_rad(run: &Run, middle_m: [f64; 2], channel: usize) -> Result<f64, BuildErrors> {
-    let scene = &run.scene;
-    let radar = &scene.radar;
-    let (tracks, _) = build::tracks(&run.nav, scene)?;
+fn look_rad(prepared: &Prepared, middle_m: [f64; 2], channel: usize) -> f64 {
+    let (scene, radar) = (prepared.scene(), &prepared.scene().radar);
     let time = radar.emissions.emission(scene.start, scene.pulses / 2);
     let row = &radar.channels[channel];
     let platforms = [
@@ -249,12 +247,12 @@ fn look_rad(run: &Run, middle_m: [f64; 2], channel: usize) -> Result<f64, BuildE
     ];
     let mut along = DVec2::ZERO;
     for platform in platforms {
-        if let Ok(state) = tracks[platform].truth.state(time) {
+        if let Ok(state) = prepared.tracks()[platform].truth.state(time) {
             let [x, y, _] = state.position.to_array();
             along += (DVec2::from(middle_m) - DVec2::new(x, y)).normalize_or_zero();
         }
     }
-    Ok(along.to_angle())
+    along.to_angle()
 }
 
 impl Azimuth {

@@ -13,13 +13,12 @@ use num_complex::Complex32;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::accuracy::{Judge, noiseless};
+use super::accuracy::Judge;
 use crate::bench::settings::{ERROR_KEY, MODELS, SETTINGS, Setting, settings};
 use crate::config::{ConfigError, Run};
 use crate::echo::Fidelity;
 use crate::fidelity::echo_settings::EchoSettings;
 use crate::fidelity::sidelobe::NONE_DB;
-use crate::pipeline::build;
 use crate::pipeline::fault::BuildErrors;
 
 /// Keys and values to be set on top of a scenario.
@@ -121,8 +120,7 @@ pub fn point(
     trial: Duration,
     known: &[Point],
 ) -> Result<Option<Point>, BuildErrors> {
-    let run = noiseless(run);
-    let stream = build::on_nominal_tracks(&run, 0..run.scene.pulses)?;
+    let stream = judge.stream(run)?;
     let plan = stream.factory().plan();
     let settings = settings(plan.map(|plan| &plan.chosen));
     if known.iter().any(|point| point.settings == settings) {
@@ -186,8 +184,7 @@ pub struct Written(Vec<Vec<Complex32>>);
 /// # Errors
 /// A run that cannot be built, or a pulse that cannot be made.
 pub fn written(judge: &Judge, run: &Run) -> Result<Written, BuildErrors> {
-    let run = noiseless(run);
-    let stream = build::on_nominal_tracks(&run, 0..run.scene.pulses)?;
+    let stream = judge.stream(run)?;
     Ok(Written(judge.make(stream.factory())?))
 }
 
@@ -201,8 +198,7 @@ pub fn effect(
     run: &Run,
     change: &Overrides,
 ) -> Result<Effect, BuildErrors> {
-    let run = noiseless(run);
-    let stream = build::on_nominal_tracks(&run, 0..run.scene.pulses)?;
+    let stream = judge.stream(run)?;
     let apart = judge.apart(&judge.make(stream.factory())?, &written.0);
     Ok(Effect {
         change: name(change),
@@ -240,10 +236,7 @@ pub fn sweep(
     let (trials, models) = (trials(grid), models());
     let all = trials.len() + models.len();
     let mut sweep = Sweep::default();
-    let chosen = {
-        let run = noiseless(written_run);
-        build::on_nominal_tracks(&run, 0..run.scene.pulses)?.factory().plan().map(|plan| plan.chosen)
-    };
+    let chosen = judge.stream(written_run)?.factory().plan().map(|plan| plan.chosen);
     for (done, change) in trials.iter().enumerate() {
         progress(done, all, &sweep);
         let open = change.iter().all(|(key, _)| key == ERROR_KEY);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
@@ -20,6 +21,7 @@ use crate::bench::settings;
 use crate::bench::speed::{self, Speed, TRIAL};
 use crate::config::Run;
 use crate::pipeline::build;
+use crate::pipeline::prepared::Prepared;
 use crate::pulse::costs::Stage;
 
 /// Bytes of a mebibyte.
@@ -50,7 +52,7 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     warn_of_scene(&run);
     let pulses = args.pulses.unwrap_or(run.scene.pulses);
     let stream = build::on_nominal_tracks(&run, 0..pulses)?;
-    let bytes = stream.predicted_bytes();
+    let (bytes, prepared) = (stream.predicted_bytes(), Arc::clone(stream.prepared()));
     let (status, watcher) = progress::watch();
     let lasts = args.pulses.is_none().then_some(TRIAL);
     let measured = speed::speed(stream, lasts, Some(status));
@@ -58,24 +60,31 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     let measured = measured?;
     warn(measured.plan.iter().filter_map(not_kept));
     // Calibrated once the stream has had its machine and its memory for itself.
-    let calibrated = build::on_nominal_tracks(&run, 0..pulses)?.calibrated()?;
-    let judged = (args.error_pulses > 0).then(|| judge(&run, &measured, args.error_pulses)).transpose()?;
+    let calibrated = build::again(&prepared, &run, 0..pulses)?.calibrated()?;
+    let judged =
+        (args.error_pulses > 0).then(|| judge(&prepared, &measured, args.error_pulses)).transpose()?;
     report(&run, &measured, begun, judged.as_ref(), calibrated, bytes).print(args.format.json, out)
 }
 
-fn judge(run: &Run, measured: &Speed, pulses: u64) -> Result<(Judge, Accuracy), CliError> {
-    let scene = &run.scene;
+fn judge(prepared: &Arc<Prepared>, measured: &Speed, pulses: u64) -> Result<(Judge, Accuracy), CliError> {
+    let scene = prepared.scene();
     let sampled = accuracy::sample(scene.seed, scene.pulses, measured.block_pulses, pulses);
-    let judge = reference(run, sampled, measured.threads)?;
-    let accuracy = judge.judge(run)?;
+    let judge = reference(prepared, sampled, measured.threads)?;
+    let accuracy = judge.judge(prepared.run())?;
     Ok((judge, accuracy))
 }
 
 /// The reference of some pulses, with progress.
-pub(super) fn reference(run: &Run, pulses: Vec<u64>, threads: usize) -> Result<Judge, CliError> {
+pub(super) fn reference(
+    prepared: &Arc<Prepared>,
+    pulses: Vec<u64>,
+    threads: usize,
+) -> Result<Judge, CliError> {
     let total = pulses.len();
     say(format_args!("reference of {} ...", counted(total, "pulse")));
-    Ok(progress::counting("pulses", |done| Judge::new(run, pulses, threads, |passed| done(passed, total)))?)
+    Ok(progress::counting("pulses", |done| {
+        Judge::of(Arc::clone(prepared), pulses, threads, &|passed| done(passed, total))
+    })?)
 }
 
 fn report(

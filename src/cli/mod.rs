@@ -14,6 +14,8 @@ mod merge;
 mod monitor;
 mod nav;
 mod new;
+#[cfg(test)]
+mod openings;
 mod progress;
 mod receive;
 mod report;

@@ -19,7 +19,7 @@ use crate::nav::{AttitudeSource, TrackSource};
 use crate::pipeline::build::{self, RunOutcome};
 use crate::pipeline::control_lines::{ControlSocket, Subject};
 use crate::pipeline::live::FlightReport;
-use crate::pipeline::plausible::{self, ChannelReport, ConverterReport, PhysicsWarning};
+use crate::pipeline::plausible::{self, ChannelReport, ConverterReport};
 use crate::pulse::log::Entry;
 use crate::recording::shard::Shard;
 use crate::sinks::redirection::redirect;
@@ -78,17 +78,18 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let page = run.monitor.as_deref().map(Page::at).transpose()?;
     let first = pulses.start;
     let stream = build::stream(&run, pulses)?;
-    let nominal = stream.nominal().unwrap_or(&run);
-    warn(adequacy(nominal)?.iter().flat_map(|sea| &sea.warnings));
-    let mut physics: Vec<PhysicsWarning> = plausible::geometry(nominal)?;
+    let prepared = Arc::clone(stream.prepared());
+    let nominal = prepared.run();
+    warn(adequacy(&prepared)?.iter().flat_map(|sea| &sea.warnings));
+    let mut physics = plausible::geometry(&prepared)?;
     warn(&physics);
-    for note in stream.notes() {
+    for note in prepared.notes() {
         say(format_args!("platform '{}', {} track: {}", note.platform, note.role, note.report));
     }
     let stop = stop_on_ctrl_c(true)?;
     let (status, watcher) = progress::watch();
     let live = stream.live_navigation();
-    if let (Some(live), Some(nominal)) = (&live, stream.nominal()) {
+    if let Some(live) = &live {
         let first = nominal.scene.radar.emissions.emission(nominal.scene.start, stream.schedule().first);
         live.standing(first).for_each(say);
     }
@@ -156,8 +157,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         add_navigation(&mut report, &run, &live.report(), &outcome);
     }
     let known = run.warnings.iter().map(ToString::to_string);
-    let warnings: Vec<String> =
-        known.chain(physics.iter().map(ToString::to_string)).chain(of_sinks).collect();
+    let warnings: Vec<String> = known.chain(physics).chain(of_sinks).collect();
     report.value("changes", &changes).value("warnings", warnings);
     report.value("error", outcome.result.as_ref().err().map(ToString::to_string));
     report.say(args.output.format.json, out)?;

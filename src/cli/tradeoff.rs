@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
@@ -78,10 +79,10 @@ pub(super) fn tradeoff(args: &TradeoffArgs, out: &mut dyn Write) -> Result<(), C
     let stream = build::on_nominal_tracks(&accuracy::noiseless(&run), 0..run.scene.pulses)?;
     let (threads, facets) = (stream.threads(), stream.factory().facets());
     let block_pulses = stream.factory().block_pulses();
-    let plan = stream.factory().plan().copied();
+    let (plan, prepared) = (stream.factory().plan().copied(), Arc::clone(stream.prepared()));
     drop(stream);
     let sampled = accuracy::sample(run.scene.seed, run.scene.pulses, block_pulses, args.error_pulses);
-    let judge = reference(&run, sampled, threads)?;
+    let judge = reference(&prepared, sampled, threads)?;
     let trial = (Duration::from_millis(args.trial_ms), args.grid);
     let swept = swept(trial, &judge, &run, with_fast, &mut files)?;
     let best = taken(&swept.points, error_db);

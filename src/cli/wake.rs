@@ -19,7 +19,7 @@ use super::values::within;
 use crate::adequacy::ShipOutlook;
 use crate::adequacy::description::ships::figures;
 use crate::pipeline::fault::BuildErrors;
-use crate::pipeline::tracks::patch_at;
+use crate::pipeline::prepared::patch_at;
 use crate::recording::field_file::Attribute;
 use crate::recording::map_file;
 use crate::recording::output::FileKind;

@@ -51,6 +51,7 @@
 //! assert!(error.to_string().contains("did you mean duration_s, in s?"));
 //! ```
 
+mod choices;
 mod document;
 pub mod error;
 pub mod keys;

@@ -5,6 +5,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use super::choices::{self, Choice};
 use super::document::{Entry, Node, Value};
 use super::error::{At, Fault, Problem, Warning};
 use super::hint::{hint, names};
@@ -183,11 +184,10 @@ impl<'a> Section<'a> {
         plain_number(&entry.node).filter(|value| (min..=max).contains(value))
     }
 
-    /// Whether a key of a table of this table is this word, without a word about faults.
-    pub(super) fn has_word_in(&self, table: &Key, key: &Key, word: &str) -> bool {
-        let entries = self.entry(table.name).and_then(|entry| entry.node.table()).unwrap_or(&[]);
-        let entry = entries.iter().find(|entry| entry.name == key.name);
-        entry.is_some_and(|entry| entry.node.text() == Some(word))
+    /// What a key of a table of this table is written as, without a word about faults.
+    pub(super) fn peek_choice_in<C: Choice>(&self, table: &Key, key: &Key) -> Option<C> {
+        let entries = self.entry(table.name)?.node.table()?;
+        C::named(entries.iter().find(|entry| entry.name == key.name)?.node.text()?)
     }
 
     /// Whether a flag is set in any of the tables of an array, without a word about faults.
@@ -248,25 +248,23 @@ impl<'a> Section<'a> {
         Some(absent)
     }
 
-    /// One of the words of the key; `None` when absent or faulty.
-    pub(super) fn choice(&self, key: &'static Key) -> Option<&'static str> {
-        let chosen = match (self.ask(key), &key.absent, &key.kind) {
-            (Some(node), _, Kind::Choice(words)) => {
-                let word = node.text().and_then(|text| words.iter().find(|word| **word == text).copied());
-                self.typed(key, node, word)
-            }
-            (None, Absent::Word(word), _) => Some(*word),
-            _ => None,
+    /// What one of the words of the key stands for; `None` when absent or faulty.
+    pub(super) fn choice<C: Choice>(&self, key: &'static Key) -> Option<C> {
+        debug_assert!(matches!(key.kind, Kind::Choice(words) if words() == choices::words::<C>()));
+        let chosen = match (self.ask(key), &key.absent) {
+            (Some(node), _) => self.typed(key, node, node.text().and_then(C::named)),
+            (None, Absent::Word(word)) => C::named(word),
+            (None, _) => None,
         };
         if key.name == "kind" {
-            self.kind.set(chosen);
+            self.kind.set(chosen.map(C::word));
             self.lenient.set(chosen.is_none());
         }
         chosen
     }
 
     /// The same of a key whose default depends on others.
-    pub(super) fn choice_or(&self, key: &'static Key, absent: &'static str) -> Option<&'static str> {
+    pub(super) fn choice_or<C: Choice>(&self, key: &'static Key, absent: C) -> Option<C> {
         let written = self.has(key);
         let chosen = self.choice(key);
         if written { chosen } else { Some(absent) }
@@ -383,10 +381,9 @@ impl<'a> Section<'a> {
     }
 
     /// A word of the key (`Err`), or an instant; `None` when absent or faulty.
-    pub(super) fn time_or(&self, key: &'static Key) -> Option<Result<TimeTag, &'static str>> {
-        let Kind::TimeOr(words) = key.kind else { return None };
-        match words.iter().find(|(word, _)| self.is_word(key, word)) {
-            Some((word, _)) => Some(Err(word)),
+    pub(super) fn time_or<C: Choice>(&self, key: &'static Key) -> Option<Result<TimeTag, C>> {
+        match C::WORDS.iter().find(|(word, _)| self.is_word(key, word)) {
+            Some((_, value)) => Some(Err(*value)),
             None => self.time(key).map(Ok),
         }
     }

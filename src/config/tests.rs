@@ -179,7 +179,7 @@ fn defaults_lie_in_their_ranges() {
                 assert!((*min..=*max).contains(value) && !(*above && value == min), "{}", key.name);
             }
             if let (keys::Kind::Choice(words), keys::Absent::Word(word)) = (&key.kind, &key.absent) {
-                assert!(words.contains(word), "{}", key.name);
+                assert!(words().contains(word), "{}", key.name);
             }
         }
     }

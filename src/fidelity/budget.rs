@@ -15,6 +15,9 @@ pub const CULLED_DB: f64 = 10.0;
 /// What interpolation leaves of the panels of ships stays so far below the budget, dB.
 pub const PANELS_DB: f64 = 10.0;
 
+/// What pulses between the supports of their tiles lack stays so far below the budget, dB.
+pub const BETWEEN_DB: f64 = 10.0;
+
 /// What was planned for a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {

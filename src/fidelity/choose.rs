@@ -13,21 +13,22 @@ use std::sync::Arc;
 
 use super::cost::Size;
 use super::echo_settings::{EchoSettings, block_length};
-use super::probe::ErrorSampler;
+use super::probe::{ErrorSampler, unit_of};
 use super::search::Search;
 use super::synth_choice::Echoes;
 use super::{PlanError, Prediction};
 use crate::echo::Asked;
+use crate::echo::synth::block::MAX_PULSES;
 use crate::paths::PathGenerator;
 use crate::paths::block::NODES;
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
-/// Spacings of the nodes, pulses.
+/// Spacings of the nodes, units of pulses.
 const NODE_PULSES: [u64; 9] = [21, 16, 12, 9, 7, 5, 4, 3, 2];
-/// Pulses from gain epoch to gain epoch.
+/// Units from gain epoch to gain epoch.
 const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
-/// Pulses from node to node of the panels of ships.
+/// Units from node to node of the panels of ships.
 const PANEL_PULSES: [u64; 12] = [21, 16, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1];
 
 /// The spacing that nodes then have, pulses.
@@ -64,13 +65,16 @@ impl<'a> Chooser<'a> {
         waveform: &'a Arc<dyn Waveform>,
         asked: &Asked,
     ) -> Result<Self, PlanError> {
+        // Steps that are given need not be whole units.
+        let whole = asked.gain_pulses.or(asked.panel_pulses).is_none();
+        let unit = if whole { unit_of(&scene.radar, scene.pulses) } else { 1 };
+        let of_run = (scene.pulses, unit);
         let mut sampler =
-            ErrorSampler::new(generator, &scene.radar, waveform.as_ref(), scene.pulses, asked.sidelobe_db)?;
+            ErrorSampler::new(generator, &scene.radar, waveform.as_ref(), of_run, asked.sidelobe_db)?;
         // No interpolation knows of a jump, and probes may miss it.
-        let free: &[u64] = if generator.aim_jumps() { &[1] } else { &GAIN_PULSES };
-        let gain_steps: Vec<u64> = asked.gain_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
-        let free: &[u64] = if generator.aim_jumps() { &[1] } else { &PANEL_PULSES };
-        let panel_steps: Vec<u64> = asked.panel_pulses.map_or(free.to_vec(), |pulses| vec![pulses]);
+        let free = |steps: &[u64]| if generator.aim_jumps() { vec![1] } else { in_units(steps, unit, 1) };
+        let gain_steps = asked.gain_pulses.map_or_else(|| free(&GAIN_PULSES), |pulses| vec![pulses]);
+        let panel_steps = asked.panel_pulses.map_or_else(|| free(&PANEL_PULSES), |pulses| vec![pulses]);
         sampler.follow_points(&gain_steps, &panel_steps)?;
         Ok(Self { scene, generator, waveform, sampler, given: given(asked), gain_steps })
     }
@@ -92,7 +96,8 @@ impl<'a> Chooser<'a> {
         let panel_pulses = sampler.choose_panel_pulses(10f64.powf((asked.error_db - PANELS_DB) / 10.0));
 
         let hold_pulses = generator.hold_pulses();
-        let spacings = spacings(asked, hold_pulses);
+        let most = most_pulses(scene, generator, waveform.as_ref());
+        let spacings = spacings(asked, hold_pulses, (sampler.unit(), most));
         let lengths =
             spacings.iter().filter(|_| !budget.exact).map(|pulses| block_length(*pulses, hold_pulses));
         let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
@@ -107,6 +112,7 @@ impl<'a> Chooser<'a> {
                 panel_pulses,
                 sidelobe: None,
                 sidelobe_share: 0.0,
+                between: None,
                 least_power: budget.least_power,
                 precision: budget.precision,
                 echo: synth.single,
@@ -140,11 +146,51 @@ impl<'a> Chooser<'a> {
     }
 }
 
-/// Spacings of the nodes that come into question, from far to close, pulses.
-fn spacings(asked: &Asked, hold_pulses: Option<u64>) -> Vec<u64> {
-    let mut spacings: Vec<u64> = asked.node_pulses.map_or(NODE_PULSES.to_vec(), |pulses| vec![pulses]);
+/// Steps of so many units as pulses, from far to close, and closer ones of pulses, down to `least`.
+fn in_units(steps: &[u64], unit: u64, least: u64) -> Vec<u64> {
+    let closest = unit * steps.last().copied().unwrap_or(1);
+    let closer = steps.iter().copied().filter(|pulses| *pulses < closest && unit > 1);
+    let closer = closer.filter(|pulses| least > 1 || *pulses == 1);
+    steps.iter().map(|units| units * unit).chain(closer).collect()
+}
+
+/// Bytes of the grids of a block of more pulses than [`NODE_PULSES`] ask for.
+const GRID_BYTES: usize = 64 << 20;
+
+/// Most pulses of a block whose grids are no larger than [`GRID_BYTES`].
+fn most_pulses(scene: &Scene, generator: &PathGenerator, waveform: &dyn Waveform) -> u64 {
+    let radar = &scene.radar;
+    let samples = radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 64;
+    // Two cells a sample, real and imaginary; lanes are a power of two.
+    let lanes = 2 * radar.channels.len().max(generator.pairs().len()).next_power_of_two();
+    let of_pulse = 2 * samples.saturating_mul(lanes) * size_of::<f32>();
+    (GRID_BYTES / of_pulse.max(1)).min(MAX_PULSES) as u64
+}
+
+/// Spacings of the nodes that come into question, from far to close, pulses; of a unit of pulses, and blocks
+/// of no more than so many.
+fn spacings(asked: &Asked, hold_pulses: Option<u64>, (unit, most): (u64, u64)) -> Vec<u64> {
+    let free = || in_units(&NODE_PULSES, unit, 2);
+    let mut spacings: Vec<u64> = asked.node_pulses.map_or_else(free, |pulses| vec![pulses]);
+    if asked.node_pulses.is_none() {
+        let farthest = NODE_PULSES[0].max((most - 1) / (NODES as u64 - 1));
+        spacings.retain(|pulses| *pulses <= farthest);
+    }
     spacings.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
     spacings.dedup();
     spacings.retain(|pulses| *pulses > 1);
     spacings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_whole_units_and_closer_ones_single_pulses() {
+        assert_eq!(in_units(&NODE_PULSES, 1, 2), NODE_PULSES);
+        assert_eq!(in_units(&GAIN_PULSES, 1, 1), GAIN_PULSES);
+        assert_eq!(in_units(&NODE_PULSES, 4, 2), [84, 64, 48, 36, 28, 20, 16, 12, 8, 7, 5, 4, 3, 2]);
+        assert_eq!(in_units(&[3, 2, 1], 4, 1), [12, 8, 4, 1]);
+    }
 }

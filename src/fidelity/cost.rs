@@ -28,7 +28,7 @@ use crate::paths::PathGenerator;
 use crate::paths::block::{NODES, SAMPLED, SIDELOBE_NODES, gain_instants, gain_step, sidelobe_gain_pulses};
 use crate::pulse::costs::Stage;
 use crate::radar::waveform::Waveform;
-use crate::scene::sea::{BraggWaves, Modulation, Waves};
+use crate::scene::sea::{BraggWaves, FacetScattering, Modulation, Waves};
 use crate::scene::{Scene, Sea};
 
 use crate::fidelity::echo_settings::EchoSettings;
@@ -130,8 +130,12 @@ pub struct Size {
     layers: f64,
     /// Share of the facets that is spread.
     kept: f64,
-    /// How often facets are illuminated for the sample of a block, on top of once.
+    /// How often facets are handed over.
+    parts: f64,
+    /// How often they are illuminated, for the sample of a block too.
     again: f64,
+    /// Share of the channels that a pulse fills.
+    filled: f64,
     pulses: u64,
 }
 
@@ -146,7 +150,11 @@ impl Size {
     ) -> Self {
         let radar = &scene.radar;
         let shadow = scene.sea.as_ref().and_then(|sea| sea.shadow.as_ref());
-        let frozen = |sea: &Sea| sea.scattering.bragg == BraggWaves::Frozen;
+        let frozen = |sea: &Sea| {
+            let FacetScattering { bragg, decorrelation_s, .. } = &sea.scattering;
+            *bragg == BraggWaves::Frozen && decorrelation_s.is_none()
+        };
+        let (parts, shares) = (generator.parts_of_tiles() as f64, generator.shares_of_pulses());
         let modulates = |sea: &Sea| sea.scattering.modulation != Modulation::Off;
         let [modulates, choppy] =
             [modulates, |sea: &Sea| sea.waves == Waves::Choppy].map(|of| scene.sea.as_ref().is_some_and(of));
@@ -174,7 +182,9 @@ impl Size {
             cells: reach as f64 * settings.oversampling,
             layers: moments,
             kept,
-            again: 1.0 + sampled,
+            parts,
+            again: parts + sampled,
+            filled: shares.iter().sum::<f64>() / shares.len().max(1) as f64,
             pulses: scene.pulses,
         }
     }
@@ -195,7 +205,9 @@ impl Size {
             cells,
             layers,
             kept,
+            parts,
             again,
+            filled,
             ..
         } = *self;
         let width = chosen.echo.width as f64;
@@ -204,8 +216,9 @@ impl Size {
         // Amplitudes through two scattering epochs are straight lines.
         let straight = chosen.sidelobe.is_some_and(|sidelobe| sidelobe.epochs <= 2);
         let amplitude = if straight { 4.0 - 2.0 * sidelobe } else { 4.0 };
-        let spread = kept * facets * pairs * layers * (amplitude + width * channels / pairs.max(1.0)) * wide;
-        let transform = channels * layers * cells * cells.max(2.0).log2() * wide;
+        let of_path = amplitude + width * filled * channels / pairs.max(1.0);
+        let spread = kept * facets * pairs * layers * of_path * wide;
+        let transform = filled * channels * layers * cells * cells.max(2.0).log2() * wide;
         let rest = channels * cells * cells.max(2.0).log2();
         let block = chosen.block_pulses(self.hold_pulses).min(self.pulses.max(1));
         if !interpolates || block <= 1 || chosen.node_pulses <= 1 {
@@ -230,9 +243,9 @@ impl Size {
         let either = |close: f64, few: f64| (1.0 - sidelobe) * close + sidelobe * few;
         let few_epochs = chosen.sidelobe.map_or(0.0, |sidelobe| sidelobe.epochs as f64);
         let [nodes, few] = [NODES, SIDELOBE_NODES].map(|n| n as f64);
-        let parts = (pulses / (3 * chosen.panel_pulses.unwrap_or(1) + 1) as f64).ceil();
+        let stretches = (pulses / (3 * chosen.panel_pulses.unwrap_or(1) + 1) as f64).ceil();
         let each_breaker = if self.stretches { BREAKER } else { BREAKER_EXACT };
-        let of_panel = PANEL + PANEL_AT_NODE * (nodes * parts / pulses).min(1.0);
+        let of_panel = PANEL + PANEL_AT_NODE * (nodes * stretches / pulses).min(1.0);
         Work([
             per_block(nodes * surface),
             per_block(updates * antennas),
@@ -241,8 +254,8 @@ impl Size {
             per_block(again * either(epochs, few_epochs) * channels),
             per_block(again * (either(instants, 0.0) + sorted) * pairs),
             again * facets * pairs,
-            per_block(either(3.0, 1.0) * kept * pairs),
-            spread,
+            per_block(parts * either(3.0, 1.0) * kept * pairs),
+            parts * spread,
             transform,
             0.0,
             rest,

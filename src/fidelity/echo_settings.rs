@@ -18,6 +18,9 @@ pub struct EchoSettings {
     pub sidelobe: Option<Sidelobe>,
     /// Share of the facets in sidelobe tiles, mean over the run.
     pub sidelobe_share: f64,
+    /// Share of its power that a tile may lack where it is evaluated at some pulses alone, its supports;
+    /// `None`: at every pulse.
+    pub between: Option<f64>,
     /// Power of a facet over the mean below which it is left out.
     pub least_power: f64,
     /// Word length.

@@ -89,13 +89,15 @@ pub struct Prediction {
     pub gain: f64,
     /// Facets left out.
     pub culled: f64,
+    /// Pulses between the supports of their tiles.
+    pub between: f64,
     /// Where pulses were made to find out: stands above the sum of all parts.
     pub dry_run: Option<DryRun>,
 }
 
 impl Prediction {
     /// All parts with their names, ratios of powers.
-    pub fn parts(&self) -> [(&'static str, f64); 8] {
+    pub fn parts(&self) -> [(&'static str, f64); 9] {
         let PredictedError { gridding, doppler, rounding } = self.echo;
         [
             ("gridding", gridding),
@@ -106,6 +108,7 @@ impl Prediction {
             ("tilt", self.tilt),
             ("gain", self.gain),
             ("culled", self.culled),
+            ("between", self.between),
         ]
     }
 

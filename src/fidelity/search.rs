@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use super::cost::{CostTable, Size};
 use super::echo_settings::{EchoSettings, block_length, block_pulses};
-use super::probe::{ErrorSampler, InterpolationError, LONGEST, Powers, Probed, Sweeps, Swept};
+use super::probe::{ErrorSampler, InterpolationError, Powers, Probed, Sweeps, Swept};
 use super::sidelobe::Candidates;
 use super::synth_choice::SynthChoice;
 use super::{PlanError, Prediction};
@@ -95,6 +95,9 @@ pub(super) struct Search<'a> {
     hold_pulses: Option<u64>,
     has_sea: bool,
     farthest_epoch: u64,
+    /// What tiles may lack at their supports alone, and that in the strongest pulse.
+    between: Option<f64>,
+    between_of_strongest: f64,
 }
 
 impl<'a> Search<'a> {
@@ -118,6 +121,7 @@ impl<'a> Search<'a> {
             let turns = |sidelobe: Sidelobe| sampler.turning() && sidelobe.below_db > OF_TURNING_DB;
             budget.asked.sidelobe_db.is_some() || !candidate.sidelobe.is_some_and(turns)
         };
+        let between = sampler.between(budget.power);
         // Without a sea there are no tiles.
         let first = if has_sea { 0 } else { candidates.thresholds_db().len() - 1 };
         let thresholds = (first..candidates.thresholds_db().len()).map(of).filter(may_be).collect();
@@ -134,6 +138,8 @@ impl<'a> Search<'a> {
             in_flight: 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::in_flight(scene, generator),
             hold_pulses: generator.hold_pulses(),
             has_sea,
+            between,
+            between_of_strongest: between.unwrap_or(0.0) * sampler.peak([1.0, 0.0]).max(1.0),
             farthest_epoch: if sampler.turning() { farthest_epoch(scene) } else { u64::MAX },
         }
     }
@@ -144,7 +150,7 @@ impl<'a> Search<'a> {
     /// # Errors
     /// Tracks that end early, or settings that the fast echo refuses.
     pub fn best(&self, sampler: &mut ErrorSampler<'_>, spacings: &[u64]) -> Result<Option<Plan>, PlanError> {
-        let mut gains = self.gains_of(&sampler.gains(&self.gain_steps, LONGEST)?);
+        let mut gains = self.gains_of(&sampler.gains(&self.gain_steps, sampler.longest())?);
         let nothing = [sampler.nothing()];
         let allowed: Vec<(u64, Candidate)> = gains
             .iter()
@@ -272,6 +278,7 @@ impl<'a> Search<'a> {
             panel_pulses: self.panel_pulses,
             sidelobe: candidate.sidelobe,
             sidelobe_share: candidate.sidelobe_share,
+            between: self.between,
             least_power: self.budget.least_power,
             precision: self.budget.precision,
             echo: self.synth.settings,
@@ -281,7 +288,8 @@ impl<'a> Search<'a> {
     fn predict(&self, echo: PredictedError, left: &[InterpolationError], gain: &Gain) -> Prediction {
         let judge = Judge { power: &self.power };
         let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &self.culled);
-        Prediction { echo, path, tilt, gain, culled, in_flight: self.in_flight, dry_run: None }
+        let between = self.between_of_strongest;
+        Prediction { echo, path, tilt, gain, culled, between, in_flight: self.in_flight, dry_run: None }
     }
 
     fn keeps(&self, echo: PredictedError, left: &[InterpolationError], gain: &Gain) -> bool {
@@ -307,6 +315,6 @@ fn better(plan: &Plan, held: &Plan) -> bool {
 fn farthest_epoch(scene: &Scene) -> u64 {
     let Some(sea) = &scene.sea else { return u64::MAX };
     let period_s = (TAU * 2.0 * sea.patch.facet_m / GRAVITY_MPS2).sqrt();
-    let pulses = period_s / EPOCHS_PER_PERIOD / scene.radar.emissions.interval_s(0, 1);
+    let pulses = period_s / EPOCHS_PER_PERIOD / scene.radar.emissions.mean_pri_s();
     (pulses.floor() as u64).max(1)
 }

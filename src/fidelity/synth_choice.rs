@@ -13,7 +13,7 @@ use crate::paths::PathGenerator;
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
-/// Pulses over which positions on the grid move in a common block, for their rounding.
+/// Units of pulses over which positions on the grid move in a common block, for their rounding.
 const DRIFT_PULSES: f64 = 12.0;
 /// Widths of the kernel.
 const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
@@ -177,7 +177,8 @@ impl Echoes<'_> {
         let (waveform, samples) = (Arc::clone(self.waveform), radar.window.samples);
         let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
         let cells_per_s = settings.oversampling * rate_hz;
-        let half_s = 0.5 * DRIFT_PULSES * radar.emissions.interval_s(0, 1);
+        let unit = sampler.unit() as f64;
+        let half_s = 0.5 * DRIFT_PULSES * unit * radar.emissions.mean_pri_s();
         let drift_cells =
             if precision == Precision::Double { 0.0 } else { sampler.fastest() * half_s * cells_per_s };
         let (fft_len, of): (usize, Box<dyn Fn(f64) -> PredictedError>) = match precision {

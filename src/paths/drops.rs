@@ -459,7 +459,7 @@ impl PathGenerator {
         let Workspace { own, other, amplitude, places, .. } = workspace;
         self.evaluate(index, own)?;
         let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
-        let reception = self.reception(index, index, own, window);
+        let reception = self.reception_of_all(index, own, window);
         self.append_rain(index, &reception, (other, places, amplitude), paths)
     }
 }

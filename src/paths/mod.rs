@@ -134,12 +134,13 @@ use crate::radar::fault::{RadarError, RadarFault, check_numbers, check_reference
 use crate::radar::link::Link;
 use crate::scene::radar::{Aim, Pair, Polarisation};
 use crate::scene::{Radar, Scene, Target};
+use crate::sea::realise::realise;
 use crate::time::TimeTag;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 use crate::radar::window::{GUARD_SAMPLES, Window};
 use facets::Reception;
-use sea::{SeaFailure, SeaPlan, SeaWork};
+use sea::{Drawn, SeaFailure, SeaPlan, SeaWork};
 pub use survey::BeyondHorizon;
 
 /// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.
@@ -246,6 +247,16 @@ impl PathGenerator {
     /// All that is wrong with the radar and its references, pattern files that cannot be read, tracks that do
     /// not cover the run.
     pub fn new(scene: &Scene, pulse_length_s: f64, tracks: Vec<PlatformTracks>) -> Result<Self, RadarError> {
+        Self::on(scene, pulse_length_s, tracks, &|sea| realise(sea, scene.seed))
+    }
+
+    /// The same on a sea that may have been drawn before.
+    pub(crate) fn on(
+        scene: &Scene,
+        pulse_length_s: f64,
+        tracks: Vec<PlatformTracks>,
+        drawn: Drawn<'_>,
+    ) -> Result<Self, RadarError> {
         let radar = &scene.radar;
         let mut faults = Vec::new();
         check_numbers(radar, pulse_length_s, &mut faults);
@@ -303,7 +314,7 @@ impl PathGenerator {
         let counts = [radar.transmitters.len(), radar.receivers.len()];
         built.check_cover(0.0, &mut faults);
         if let (Some(sea), true) = (&scene.sea, faults.is_empty() && built.pulses > 0) {
-            built.plan_sea(scene, sea, counts, &mut faults)?;
+            built.plan_sea(scene, sea, drawn, counts, &mut faults)?;
         }
         if faults.is_empty() && built.pulses > 0 {
             if built.sea.is_none() {
@@ -430,6 +441,11 @@ impl PathGenerator {
             axes_span_s: self.axes_span_s,
             window,
         }
+    }
+
+    /// The same of its own emission, in all polarisations: what a node has, whichever pulses fill from it.
+    fn reception_of_all<'a>(&'a self, index: u64, emission: &'a Emission, window: Window) -> Reception<'a> {
+        Reception { tx_pol: None, ..self.reception(index, index, emission, window) }
     }
 
     /// The buffers of the sea, made unless they are there.

@@ -11,7 +11,6 @@ use crate::pulse::{Pulse, flags};
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
 use crate::scattering::target::most_of_run;
-use crate::scene::radar::TxPolarisation;
 use crate::scene::target::Swerling;
 use crate::scene::{Patch, Target};
 
@@ -21,9 +20,8 @@ const MOST_DRAWS: u64 = 1 << 18;
 const MOST_IN_AIR: u64 = 256;
 
 impl PathGenerator {
-    /// Whether the windows of some pulses receive nothing but their own emissions, in all polarisations and
-    /// at equal intervals, from facets that keep their phases: then their scatterer paths can be
-    /// interpolated.
+    /// Whether the windows of some pulses receive nothing but their own emissions: then their scatterer paths
+    /// can be interpolated.
     ///
     /// # Errors
     /// A track that does not cover the pulse.
@@ -32,11 +30,6 @@ impl PathGenerator {
         pulses: &[u64],
         workspace: &mut Workspace,
     ) -> Result<bool, RadarError> {
-        let even = self.radar.emissions.is_uniform();
-        let forgets = self.sea.as_ref().is_some_and(|sea| sea.forgets());
-        if forgets || !even || !matches!(self.radar.tx_polarisation, TxPolarisation::Simultaneous) {
-            return Ok(false);
-        }
         for &index in pulses {
             self.evaluate(index, &mut workspace.own)?;
             let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
@@ -173,7 +166,7 @@ impl PathGenerator {
         self.steady_targets(index, workspace, paths)?;
         if !self.ships.is_empty() {
             let Workspace { own, ships, .. } = workspace;
-            let reception = self.reception(index, index, own, Window::UNBOUNDED);
+            let reception = self.reception_of_all(index, own, Window::UNBOUNDED);
             self.append_every_panel(&reception, ships.mesh(), paths);
         }
         Ok(())
@@ -196,7 +189,7 @@ impl PathGenerator {
         paths.clear();
         self.evaluate(index, own)?;
         own.variation.clear();
-        let reception = self.reception(index, index, own, Window::UNBOUNDED);
+        let reception = self.reception_of_all(index, own, Window::UNBOUNDED);
         self.append_every(&reception, amplitude, paths);
         Ok(())
     }
@@ -215,7 +208,7 @@ impl PathGenerator {
         self.steady_targets(index, workspace, paths)?;
         if !self.ships.is_empty() {
             let Workspace { own, ships, .. } = workspace;
-            let reception = self.reception(index, index, own, Window::UNBOUNDED);
+            let reception = self.reception_of_all(index, own, Window::UNBOUNDED);
             self.append_some_panels(index, &reception, ships.mesh(), paths)?;
         }
         Ok(())
@@ -281,7 +274,7 @@ impl PathGenerator {
         }
         let Workspace { own, ships, .. } = workspace;
         self.evaluate(index, own)?;
-        let reception = self.reception(index, index, own, Window::UNBOUNDED);
+        let reception = self.reception_of_all(index, own, Window::UNBOUNDED);
         let targets = out.len();
         self.ship_weights(index, reception.elapsed_s, out)?;
         self.apply_gains(&reception, ships.mesh(), &mut out[targets..]);

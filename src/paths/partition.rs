@@ -59,7 +59,8 @@ impl PathGenerator {
         self.radar.emissions.emission(self.start, index.saturating_add(2)).plus(after_s)
     }
 
-    /// The part of a block of pulses, about one of them, in which no report jumps that something is aimed by.
+    /// The part of a block of pulses, about one of them, in which no report jumps that something is aimed by,
+    /// and a patch that follows stays.
     pub fn unbroken(&self, block: Range<u64>, index: u64) -> Range<u64> {
         let mut part = block.clone();
         let mut cut = |pulse: u64| {
@@ -69,6 +70,12 @@ impl PathGenerator {
                 part.end = part.end.min(pulse);
             }
         };
+        if let (Some(sea), false) = (&self.sea, self.radar.emissions.is_uniform()) {
+            // Where intervals differ a patch that follows need not move between two blocks.
+            let placed_s = |pulse: u64| sea.placed_s(self.radar.emissions.interval_s(0, pulse));
+            let moves = |pulse: &u64| placed_s(*pulse) != placed_s(pulse - 1);
+            (block.start + 1..block.end).filter(|_| sea.moves()).filter(moves).for_each(&mut cut);
+        }
         for &(platform, lag_s) in &self.report_steered {
             let Some(changes) = self.tracks.get(platform).and_then(|of| of.reported.changes()) else {
                 continue;

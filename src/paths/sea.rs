@@ -29,7 +29,7 @@ use crate::sea::breaking::Law;
 use crate::sea::facet_surface::FacetSurface;
 use crate::sea::fleet::{self, Fleet};
 use crate::sea::land::{Dem, LandError, LandSheet};
-use crate::sea::realise::{RealiseError, Realised, realise};
+use crate::sea::realise::{RealiseError, Realised};
 use crate::sea::spectrum::light_wind::that_scatters;
 use crate::sea::surface::choppy::Choppy;
 use crate::sea::surface::modulation::Strength;
@@ -41,6 +41,9 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Faster than any water, m/s.
 const FASTEST_WATER_MPS: f64 = 100.0;
+/// How the sea of a scene is drawn, or had.
+pub(crate) type Drawn<'a> = &'a dyn Fn(&Sea) -> Result<Realised, RealiseError>;
+
 /// Rms heights by which waves may stand out of the mean surface, for bounds on delays.
 const CREST_RMS: f64 = 8.0;
 
@@ -51,7 +54,7 @@ pub(super) struct SeaPlan {
     hold_s: f64,
     /// Time of the last emission, s after pulse 0.
     last_s: f64,
-    pub surface: Surface,
+    pub surface: Arc<Surface>,
     pub wakes: Vec<Wake>,
     pub scattering: WaterScattering,
     /// The same for facets side by side.
@@ -165,10 +168,15 @@ impl SeaWork {
 }
 
 impl SeaPlan {
-    /// Draws the sea of a scene and prepares its scattering.
-    pub fn new(scene: &Scene, sea: &Sea, run: &PatchRun, faults: &mut Vec<RadarFault>) -> Option<Self> {
-        let realised =
-            realise(sea, scene.seed).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
+    /// Takes the sea of a scene as it is drawn, and prepares its scattering.
+    pub fn new(
+        scene: &Scene,
+        sea: &Sea,
+        drawn: Drawn<'_>,
+        run: &PatchRun,
+        faults: &mut Vec<RadarFault>,
+    ) -> Option<Self> {
+        let realised = drawn(sea).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
         let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
         let mut patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
         // The last update of the shadows comes after the last emission, and ships sail on until then.
@@ -209,12 +217,12 @@ impl SeaPlan {
         let short_waves = fleet::short_waves(&scene.ships, sea.patch.facet_m, shortest_radpm)?;
         let spectrum = match sea.scattering.light_wind {
             LightWinds::Threshold => {
-                that_scatters(&sea.water, &wind).map_err(RealiseError::from)?.unwrap_or(spectrum)
+                that_scatters(&sea.water, &wind).map_err(RealiseError::from)?.map_or(spectrum, Arc::from)
             }
             LightWinds::AsPublished => spectrum,
         };
-        let scattering = WaterScattering::new(sea, &wind, Arc::from(spectrum), &strips, sight)?
-            .with_short_waves(short_waves);
+        let scattering =
+            WaterScattering::new(sea, &wind, spectrum, &strips, sight)?.with_short_waves(short_waves);
         let law = match sea.scattering.breaking {
             Breaking::Whitecaps => Law::new(wind.u10_mps, wind.direction_rad, scene.seed),
             Breaking::Off => None,
@@ -337,18 +345,13 @@ impl SeaPlan {
         (self, ships)
     }
 
-    /// Whether facets forget their phases.
-    pub fn forgets(&self) -> bool {
-        self.scattering.decorrelates()
-    }
-
     /// Whether the patch moves.
     pub fn moves(&self) -> bool {
         matches!(self.place, PatchPlace::Follow { .. })
     }
 
     /// When the patch of a time (s after pulse 0) was placed.
-    fn placed_s(&self, elapsed_s: f64) -> f64 {
+    pub fn placed_s(&self, elapsed_s: f64) -> f64 {
         if self.hold_s.is_finite() { (elapsed_s / self.hold_s + 1e-9).floor() * self.hold_s } else { 0.0 }
     }
 

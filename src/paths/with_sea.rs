@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::PathGenerator;
 use super::multipath::{self, Mirror};
 use super::patch_run::{self, PatchRun};
-use super::sea::SeaPlan;
+use super::sea::{Drawn, SeaPlan};
 use crate::radar::fault::{RadarError, RadarFault};
 use crate::scene::Scene;
 use crate::scene::sea::Sea;
@@ -21,6 +21,7 @@ impl PathGenerator {
         &mut self,
         scene: &Scene,
         sea: &Sea,
+        drawn: Drawn<'_>,
         counts: [usize; 2],
         faults: &mut Vec<RadarFault>,
     ) -> Result<(), RadarError> {
@@ -31,7 +32,7 @@ impl PathGenerator {
         let (patches, nears_horizon) = (self.patches(sea)?, self.nears_horizon(sea)?);
         let hulls = scene.ships.iter().any(|ship| !ship.panels.is_empty());
         let run = PatchRun { patches, patch_mps, hold_s, nears_horizon, hulls };
-        let plan = SeaPlan::new(scene, sea, &run, faults);
+        let plan = SeaPlan::new(scene, sea, drawn, &run, faults);
         if let Some((plan, ships)) = plan.map(|plan| plan.with_ships(&scene.ships, counts, self.frame)) {
             (self.sea, self.ships) = (Some(Arc::new(plan)), ships);
         }

@@ -5,10 +5,10 @@
 //! ([`crate::echo::synth::lanes`]); targets and the direct path are scatterer paths at the gain instants,
 //! through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]); what varies from
 //! pulse to pulse multiplies the amplitude at each of them. A block that the run
-//! cuts short moves its nodes together. Where windows hold more than their own emission, where polarisations
-//! alternate or intervals differ, and where facets forget their phases, every pulse is a block of its own,
-//! and nothing is interpolated. Where a report is changed by which something is aimed, a block ends
-//! ([`PathGenerator::unbroken`]).
+//! cuts short moves its nodes together. Nodes are functions of time: a pulse is evaluated when it is emitted,
+//! so intervals may differ, and of the channels that nodes have it fills those of its polarisation. Where
+//! windows hold more than their own emission every pulse is a block of its own, and nothing is interpolated.
+//! Where a report is changed by which something is aimed, a block ends ([`PathGenerator::unbroken`]).
 //!
 //! A patch that follows stays for some pulses ([`PathGenerator::hold_pulses`]), and blocks divide these. A
 //! block depends on its number and the run alone, so any thread may make any pulse: the block that holds it
@@ -37,6 +37,8 @@ use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::scene::Patch;
 
+/// Most pulses of which points have polynomials in common: phases are rounded by the square of their number.
+const POINT_PULSES: usize = 192;
 /// Pulses of which as few are made exactly.
 const FEW_PULSES: usize = 8;
 
@@ -62,6 +64,8 @@ pub(crate) struct BlockEcho {
     panel_pulses: usize,
     epochs_per_node: usize,
     sidelobe: Option<Sidelobe>,
+    /// What a tile may lack at its supports alone.
+    between: Option<f64>,
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
     pulses: u64,
@@ -125,6 +129,7 @@ impl BlockEcho {
             panel_pulses: usize::try_from(chosen.panel_pulses.unwrap_or(1)).unwrap_or(1).clamp(1, MAX_PULSES),
             epochs_per_node: chosen.epochs_per_node,
             sidelobe: chosen.sidelobe,
+            between: chosen.between,
             least_power: chosen.least_power,
             pulses,
         })
@@ -251,6 +256,7 @@ impl BlockEcho {
         for at in first..end {
             work.windows_s.push(generator.window_start_of(at)?);
         }
+        work.tiers.between = self.between.filter(|_| self.synth.windows_align(&work.windows_s));
         let patch = generator.patch_of(first)?;
         let BlockWork { tiers, samples, tiles, mean_hz, nodes, windows_s, .. } = &mut *work;
         samples.clear();
@@ -261,7 +267,9 @@ impl BlockEcho {
         let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
         memory.costs.lap(Stage::Record);
         self.synth.frame(windows_s, mean_hz, frame);
-        self.synth.clear_for(pulses, grids);
+        generator.slow_time(first, pulses, &mut frame.slow);
+        generator.pulse_groups(first, pulses, &mut frame.groups);
+        self.synth.clear_for(frame, grids);
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
             let epochs = [Tier::Mainlobe, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
             self.synth.make_room(epochs[0].max(epochs[1]), pulses, lanes);
@@ -276,7 +284,7 @@ impl BlockEcho {
             work.spread = (illuminated - culled) * generator.pairs().len();
         }
         if generator.target_count() > 0 {
-            let step = (NODES - 1) * self.gain_pulses;
+            let step = ((NODES - 1) * self.gain_pulses).min(POINT_PULSES);
             for from in (0..pulses).step_by(step) {
                 self.targets(generator, first, from..(from + step).min(pulses), memory, work)?;
             }
@@ -323,7 +331,9 @@ impl BlockEcho {
         let (at, count) = nodes_within(pulses.len());
         let stretch = Stretch { block: first, pulses: pulses.clone(), nodes: &at[..count], patch };
         let (nodes, factors) = (&mut work.nodes[..count], &mut work.factors);
-        if generator.breakers_of_stretch(&stretch, tiles, memory, nodes, factors)? {
+        if pulses.len() <= POINT_PULSES
+            && generator.breakers_of_stretch(&stretch, tiles, memory, nodes, factors)?
+        {
             return Ok(self.spread_stretch(pulses.clone(), memory, work)? * pulses.len());
         }
         let middle = pulses.start + pulses.len() / 2;
@@ -441,7 +451,7 @@ impl BlockEcho {
 
     /// Pulses whose panels of ships are found together, at most.
     pub fn pulses_of_panels(&self) -> usize {
-        ((NODES - 1) * self.panel_pulses + 1).min(self.length as usize)
+        ((NODES - 1) * self.panel_pulses + 1).min(POINT_PULSES).min(self.length as usize)
     }
 
     /// Targets and direct paths of some pulses of the block.

@@ -7,7 +7,7 @@
 //! Claims are bookkeeping only: a pulse depends on its number alone, so neither their length nor the
 //! thread count changes a bit of it.
 
-use super::factory::factory_by;
+use super::factory::with_files;
 use super::fault::{BuildError, BuildErrors};
 use super::memory::available_bytes;
 use std::ops::Range;
@@ -32,7 +32,6 @@ use crate::radar::fault::{RadarError, RadarFault};
 use crate::recording::header::Header;
 use crate::scene::Scene;
 use crate::sea::fleet::{self, FleetError};
-use crate::sea::realise::realise;
 use crate::sinks::crsd::Plan as CrsdPlan;
 use crate::sinks::sink::{SinkError, SinkReport, drain};
 use crate::sinks::{self, OnFailure};
@@ -50,11 +49,11 @@ use super::live::LiveNav;
 use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::outputs::{self, crsd_plan, header, open_all, placed, same_kind};
 use super::plausible;
+use super::prepared::{Files, Prepared};
 use super::stages::{PulseFactory, Workspace};
 use super::tracks::set_tracks;
 use super::workers::{generate, warm_up, yield_to_pacer};
 use crate::pipeline::fault::PulseError;
-use crate::pipeline::hull_scatterers;
 
 pub use super::tracks::{TrackNote, tracks};
 
@@ -72,14 +71,12 @@ pub struct PulseStream {
     sinks: Vec<sinks::Settings>,
     crsd: Option<CrsdPlan>,
     pool: ThreadPool,
-    notes: Vec<TrackNote>,
+    prepared: Arc<Prepared>,
     sea_bytes: u64,
     ship_bytes: u64,
     live: Option<LiveFlight>,
     /// Whether the first pulse waits until the clock shows its emission.
     waits: bool,
-    /// The run with a start that was put off.
-    later: Option<Box<Run>>,
     changes: Option<Arc<Changes>>,
     control: Option<(Control, CommandQueue)>,
     levels: Arc<OnceLock<Vec<Level>>>,
@@ -88,8 +85,6 @@ pub struct PulseStream {
 /// What flies by live navigation.
 struct LiveFlight {
     nav: Arc<LiveNav>,
-    /// The run with tracks that are known beforehand.
-    nominal: Run,
     tracks: Vec<PlatformTracks>,
     /// Latency with which every pulse is interpolated, s.
     needed_s: f64,
@@ -121,14 +116,14 @@ pub fn stream(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> 
     if !run.stream.latency_given && needed_s > stream.settings.latency_s {
         stream.wait_for(needed_s);
     }
-    let mut tracks = tracks(&nominal.nav, &nominal.scene)?.0;
+    let mut tracks = stream.prepared.tracks().to_vec();
     for (platform, (tracks, source)) in tracks.iter_mut().zip(&run.nav).enumerate() {
         if let Some(track) = nav.track(platform) {
             *tracks = set_tracks(track, source, &nominal.scene, platform)?;
         }
     }
     let tracks = changing::tracks(tracks, &nominal.scene, stream.changes.as_ref())?;
-    stream.live = Some(LiveFlight { nav, nominal, tracks, needed_s });
+    stream.live = Some(LiveFlight { nav, tracks, needed_s });
     Ok(stream)
 }
 
@@ -137,10 +132,10 @@ fn on_known_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErr
     let begun = Instant::now();
     let stream = on_nominal_tracks(run, range.clone())?;
     let Some(later) = clock_start::later(run, begun.elapsed())? else { return Ok(stream) };
+    let prepared = Arc::clone(&stream.prepared);
     // Its memory is what the next one takes.
     drop(stream);
-    let stream = on_nominal_tracks(&later, range)?;
-    Ok(PulseStream { later: Some(Box::new(later)), ..stream })
+    again(&prepared, &later, range)
 }
 
 /// What is wrong if the sea takes more than the system can give.
@@ -162,7 +157,7 @@ fn given(run: &Run, range: &Range<u64>) -> Vec<BuildError> {
 }
 
 /// Faults of the sea and of hulls that were not looked for, because others stopped the radar from being made.
-fn unmet(scene: &Scene, errors: &BuildErrors) -> Vec<BuildError> {
+fn unmet(scene: &Scene, files: &Files, errors: &BuildErrors) -> Vec<BuildError> {
     let of_sea = |fault: &RadarFault| matches!(fault, RadarFault::Sea(_));
     let met = errors.0.iter().any(
         |error| matches!(error, BuildError::Radar(RadarError::Faults(faults)) if faults.iter().any(of_sea)),
@@ -175,7 +170,7 @@ fn unmet(scene: &Scene, errors: &BuildErrors) -> Vec<BuildError> {
         let source = fleet::hull(ship).err()?;
         Some(BuildError::Ship(FleetError { ship: ship.name.clone(), source }))
     });
-    realise(sea, scene.seed).err().map(BuildError::Sea).into_iter().chain(hulls).collect()
+    files.sea(sea, scene.seed).err().map(BuildError::Sea).into_iter().chain(hulls).collect()
 }
 
 /// Makes a run ready whose flights are known beforehand: live navigation is left alone, and its nominal
@@ -184,6 +179,22 @@ fn unmet(scene: &Scene, errors: &BuildErrors) -> Vec<BuildError> {
 /// # Errors
 /// All faults of the input.
 pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
+    built(run, range, Prepared::of)
+}
+
+/// The same of a run that differs from one that is prepared: what is not different is not read again.
+///
+/// # Errors
+/// All faults of the input.
+pub fn again(known: &Prepared, run: &Run, range: Range<u64>) -> Result<PulseStream, BuildErrors> {
+    built(run, range, |run| known.again(run))
+}
+
+fn built(
+    run: &Run,
+    range: Range<u64>,
+    prepare: impl FnOnce(&Run) -> Result<Prepared, BuildErrors>,
+) -> Result<PulseStream, BuildErrors> {
     let mut faults = given(run, &range);
     let scene = &run.scene;
     let threads = match run.stream.threads {
@@ -196,22 +207,27 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         return Err(BuildErrors(faults));
     }
     let changes = changing::list(run);
-    let built = tracks(&run.nav, scene).and_then(|(tracks, notes)| {
-        faults.extend(plausible::faults(run, &tracks));
-        let tracks = changing::tracks(tracks, scene, changes.as_ref())?;
-        let factory = factory_by(scene, tracks, &run.fidelity, &run.clocks)?
+    let refused = |mut faults: Vec<BuildError>, files: &Files, errors: BuildErrors| {
+        faults.extend(unmet(scene, files, &errors));
+        faults.extend(errors.0);
+        Err(BuildErrors(faults))
+    };
+    let prepared = match prepare(run) {
+        Ok(prepared) => Arc::new(prepared),
+        Err(errors) => return refused(faults, &Files::default(), errors),
+    };
+    faults.extend(plausible::faults(&prepared));
+    let make = || {
+        let tracks = changing::tracks(prepared.tracks().to_vec(), scene, changes.as_ref())?;
+        let factory = with_files(scene, tracks, &run.fidelity, &run.clocks, prepared.files())?
             .with_calibration(&run.calibration, &scene.radar)?;
         changing::enter(&run.events, changes.as_ref())?;
-        Ok((factory, notes))
-    });
-    let (factory, notes) = match built {
-        Ok(built) if faults.is_empty() => built,
+        Ok::<_, BuildErrors>(factory)
+    };
+    let factory = match make() {
+        Ok(factory) if faults.is_empty() => factory,
         Ok(_) => return Err(BuildErrors(faults)),
-        Err(errors) => {
-            faults.extend(unmet(scene, &errors));
-            faults.extend(errors.0);
-            return Err(BuildErrors(faults));
-        }
+        Err(errors) => return refused(faults, prepared.files(), errors),
     };
     let more = factory.breaker_bytes(threads).saturating_add(factory.single_bytes(threads));
     let needed = needed.saturating_add(more);
@@ -236,10 +252,10 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         .build()?;
     let schedule =
         Schedule { times: scene.radar.emissions.clone(), first: range.start, count: range.end - range.start };
-    let scene = hull_scatterers::with_scatterers(scene)?;
-    let header = header(run, &scene, &factory, &schedule, changes.as_ref());
+    let scene = prepared.files().laden(scene)?;
+    let header = header(run, scene, &factory, &schedule, changes.as_ref());
     header.check().map_err(SinkError::from)?;
-    let crsd = crsd_plan(run, &scene, &header)?;
+    let crsd = crsd_plan(run, scene, &header)?;
     // Every worker has a block in hand while one waits to be released.
     let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
     let layout = factory.layout();
@@ -256,13 +272,12 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
         sinks: run.sinks.clone(),
         crsd,
         pool,
-        notes,
+        prepared,
         sea_bytes: needed,
         ship_bytes: of_ships,
         levels: Arc::default(),
         live: None,
         waits: run.start_now && run.stream.pace == transport::Pace::Realtime,
-        later: None,
         control: changes
             .as_ref()
             .filter(|_| run.control)
@@ -272,9 +287,9 @@ pub fn on_nominal_tracks(run: &Run, range: Range<u64>) -> Result<PulseStream, Bu
 }
 
 impl PulseStream {
-    /// The run as it is run, where that is on a nominal trajectory or with a later start.
-    pub fn nominal(&self) -> Option<&Run> {
-        self.live.as_ref().map(|live| &live.nominal).or(self.later.as_deref())
+    /// The run as it is run, perhaps on a nominal trajectory or with a later start, and what its files hold.
+    pub fn prepared(&self) -> &Arc<Prepared> {
+        &self.prepared
     }
 
     /// Releases pulses so long after their emission, and gives the ring room for them.
@@ -303,11 +318,6 @@ impl PulseStream {
     /// Live navigation of the run.
     pub fn live_navigation(&self) -> Option<Arc<LiveNav>> {
         self.live.as_ref().map(|live| Arc::clone(&live.nav))
-    }
-
-    /// How the tracks were made.
-    pub fn notes(&self) -> &[TrackNote] {
-        &self.notes
     }
 
     /// What makes the pulses.

@@ -1,8 +1,9 @@
 //! A run whose reports change: its events, and a list for those that come while it goes on.
 
-use super::{factory, tracks};
 use std::sync::Arc;
 
+use super::factory;
+use super::prepared::Prepared;
 use super::stages::PulseFactory;
 use crate::config::Run;
 use crate::echo::Fidelity;
@@ -12,6 +13,7 @@ use crate::motion::{PlatformTracks, SourceError};
 use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::pulse::log::Origin;
 use crate::scene::Scene;
+use crate::scene::clock::Clocks;
 
 /// An empty list, where the run has events or may be changed from outside.
 pub(super) fn list(run: &Run) -> Option<Arc<Changes>> {
@@ -52,10 +54,18 @@ pub(super) fn enter(events: &[Event], changes: Option<&Arc<Changes>>) -> Result<
 /// # Errors
 /// All faults of the input.
 pub fn factory(run: &Run, fidelity: &Fidelity) -> Result<PulseFactory, BuildErrors> {
-    let changes = list(run);
-    let (both, _) = tracks::tracks(&run.nav, &run.scene)?;
-    let both = tracks(both, &run.scene, changes.as_ref())?;
-    let factory = factory::factory_of(&run.scene, both, fidelity)?;
+    factory_for(&Prepared::of(run)?, fidelity)
+}
+
+/// The same of a run that is prepared.
+///
+/// # Errors
+/// All faults of the input.
+pub fn factory_for(prepared: &Prepared, fidelity: &Fidelity) -> Result<PulseFactory, BuildErrors> {
+    let (run, changes) = (prepared.run(), list(prepared.run()));
+    let tracks = tracks(prepared.tracks().to_vec(), &run.scene, changes.as_ref())?;
+    let files = prepared.files();
+    let factory = factory::with_files(&run.scene, tracks, fidelity, &Clocks::default(), files)?;
     enter(&run.events, changes.as_ref())?;
     Ok(factory)
 }

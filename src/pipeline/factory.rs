@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use super::dry_run;
 use super::fault::BuildErrors;
+use super::prepared::Files;
 use super::stages::{Echo, Mark, PulseFactory};
 use crate::echo::Fidelity;
 use crate::motion::PlatformTracks;
 use crate::paths::PathGenerator;
-use crate::pipeline::hull_scatterers::{self, ShipTracks};
+use crate::pipeline::hull_scatterers::ShipTracks;
 use crate::pulse::Layout;
 use crate::radar::clock::RunningClocks;
 use crate::radar::receiver::Receiver;
-use crate::radar::waveform;
-use crate::scene::Scene;
 use crate::scene::clock::Clocks;
+use crate::scene::{Scene, Sea};
 
 /// What makes the pulses of a scene whose platforms move on the given tracks.
 ///
@@ -23,22 +23,10 @@ use crate::scene::clock::Clocks;
 /// # Errors
 /// All faults of the scene.
 pub fn factory(scene: &Scene, tracks: Vec<PlatformTracks>) -> Result<PulseFactory, BuildErrors> {
-    factory_of(scene, tracks, &Fidelity::Reference)
+    factory_by(scene, tracks, &Fidelity::Reference, &Clocks::default())
 }
 
-/// The same with a choice of how echoes are made.
-///
-/// # Errors
-/// All faults of the scene.
-pub fn factory_of(
-    scene: &Scene,
-    tracks: Vec<PlatformTracks>,
-    fidelity: &Fidelity,
-) -> Result<PulseFactory, BuildErrors> {
-    factory_by(scene, tracks, fidelity, &Clocks::default())
-}
-
-/// The same with clock errors.
+/// The same with a choice of how echoes are made, and with clock errors.
 ///
 /// # Errors
 /// All faults of the scene and its clocks.
@@ -48,11 +36,23 @@ pub fn factory_by(
     fidelity: &Fidelity,
     clocks: &Clocks,
 ) -> Result<PulseFactory, BuildErrors> {
-    let scene = &*hull_scatterers::with_scatterers(scene)?;
-    let waveform = waveform::from_description(&scene.radar.waveform)?;
+    with_files(scene, tracks, fidelity, clocks, &Files::default())
+}
+
+/// The same from files that may have been read.
+pub(super) fn with_files(
+    scene: &Scene,
+    tracks: Vec<PlatformTracks>,
+    fidelity: &Fidelity,
+    clocks: &Clocks,
+    files: &Files,
+) -> Result<PulseFactory, BuildErrors> {
+    let scene = files.laden(scene)?;
+    let waveform = Arc::clone(files.waveform(scene)?);
     let radar = &scene.radar;
     let sample_rate_hz = radar.sample_rate_hz;
-    let generator = PathGenerator::new(scene, waveform.duration_s(), tracks)?;
+    let drawn = |sea: &Sea| files.sea(sea, scene.seed).cloned();
+    let generator = PathGenerator::on(scene, waveform.duration_s(), tracks, &drawn)?;
     let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
     let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
     let clocks = clocks.map(Arc::new);

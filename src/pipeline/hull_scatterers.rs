@@ -17,7 +17,6 @@
 //! assert_eq!(mast.to_array(), [110.0, 48.0, 30.0]);
 //! ```
 
-use std::borrow::Cow;
 use std::collections::HashSet;
 
 use crate::frames::{Body, Enu, Point, SceneFrame, Vector};
@@ -84,13 +83,13 @@ impl ShipTracks {
 }
 
 /// The scene with the scatterers of its ships among its targets, and the panels of ships that echo by their
-/// mesh.
+/// mesh; `None` where no ship echoes.
 ///
 /// # Errors
 /// Ships whose hulls cannot be read.
-pub fn with_scatterers(scene: &Scene) -> Result<Cow<'_, Scene>, FleetErrors> {
+pub(super) fn with_scatterers(scene: &Scene) -> Result<Option<Scene>, FleetErrors> {
     if !scene.ships.iter().any(|ship| ship.echo) {
-        return Ok(Cow::Borrowed(scene));
+        return Ok(None);
     }
     let mut extended = scene.clone();
     let (mut faults, mut together) = (Vec::new(), 0);
@@ -116,7 +115,7 @@ pub fn with_scatterers(scene: &Scene) -> Result<Cow<'_, Scene>, FleetErrors> {
         }
         own.echo = false;
     }
-    if faults.is_empty() { Ok(Cow::Owned(extended)) } else { Err(FleetErrors(faults)) }
+    if faults.is_empty() { Ok(Some(extended)) } else { Err(FleetErrors(faults)) }
 }
 
 /// The scatterers of a ship; their names go to those of all targets.

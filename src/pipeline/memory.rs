@@ -7,6 +7,7 @@
 //! | the sea of a worker: its surface, nodes, shadows, phases | [`WORKER_FACET_BYTES`] a facet |
 //! | the same of pulses one by one, shared and of a worker | `SINGLE_FACET_BYTES` a facet more |
 //! | choppy waves, of a worker | [`CHOPPY_FACET_BYTES`] a facet |
+//! | facets that forget their phases, of a worker of the fast echo | [`FORGETTING_BYTES`] a facet, up to [`FORGETTING_ROOM_BYTES`] |
 //! | shadows of a patch that follows, and of choppy waves, of a worker of the fast echo | [`FOLLOW_FACET_BYTES`] a facet |
 //! | ships that echo by their mesh, shared | [`SHARED_PATH_BYTES`] a panel or double bounce |
 //! | the same of a worker | nodes and factors of a block, `path_bytes` each |
@@ -19,8 +20,9 @@
 //! paths and of those in single precision, from 64 x 64 to 256 x 256.
 
 use crate::echo::Fidelity;
+use crate::paths::block::{FORGETTING_BYTES, FORGETTING_ROOM_BYTES};
 use crate::scene::Scene;
-use crate::scene::sea::{PatchPlace, Waves};
+use crate::scene::sea::{BraggWaves, PatchPlace, Waves};
 use std::fs;
 
 /// The program, its libraries, stacks, tables.
@@ -49,6 +51,13 @@ pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
     let apart = (follows || choppy) && n == 1;
     let worker = WORKER_FACET_BYTES[n] + if apart { FOLLOW_FACET_BYTES } else { 0 };
     let worker = worker + if choppy { CHOPPY_FACET_BYTES[n] } else { 0 };
+    let forgets = scene.sea.as_ref().is_some_and(|sea| {
+        sea.scattering.bragg == BraggWaves::Frozen && sea.scattering.decorrelation_s.is_some()
+    });
+    // Waves of one mechanism at least, where there is room.
+    let waves = FORGETTING_BYTES as u64;
+    let room = facets.saturating_mul(waves) <= FORGETTING_ROOM_BYTES as u64;
+    let worker = worker + if forgets && n == 1 && room { waves } else { 0 };
     let each = SHARED_FACET_BYTES[n].saturating_add(worker.saturating_mul(threads as u64));
     facets.saturating_mul(each)
 }

@@ -23,6 +23,7 @@ pub mod live;
 #[doc(hidden)]
 pub mod memory;
 mod navigation;
+pub mod prepared;
 pub mod released;
 pub(crate) mod outputs;
 pub(crate) mod playback;

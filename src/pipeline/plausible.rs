@@ -8,21 +8,15 @@
 //! needs no trajectory is evaluated when the scenario is read (`config::resolve`).
 
 use serde::Serialize;
-use thiserror::Error;
 
-use crate::config::Run;
 use crate::frames::{Enu, Point};
-use crate::motion::PlatformTracks;
-use crate::motion::pointing::{PhaseCentre, Surroundings};
 use crate::nav::{FileFormat, TrackSource};
 use crate::pipeline::fault::{BuildError, BuildErrors};
-use crate::pipeline::tracks::tracks;
+use crate::pipeline::prepared::{Moment, Prepared};
 use crate::pulse::converter::Level;
-use crate::radar::waveform;
+use crate::radar::fault::mounts;
 use crate::radar::window::Window;
-use crate::scene::Scene;
-use crate::scene::radar::{Aim, AntennaMount, Gate, Radar, Waveform};
-use crate::time::TimeTag;
+use crate::scene::radar::{Radar, Waveform};
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Pulses of a run at which geometry is taken.
@@ -36,150 +30,27 @@ const CLIPPED_SHARE: f64 = 1e-4;
 /// Slowest speed at which there is a course, m/s.
 const LEAST_WAY_MPS: f64 = 1.0;
 
-/// A target that no window receives, at the pulse at which it comes nearest to one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TargetOutsideWindow {
-    /// The target.
-    pub target: String,
-    /// Begin and end of its echo after the emission, us.
-    pub echo_us: [f64; 2],
-    /// Begin and end of the window, us.
-    pub window_us: [f64; 2],
-}
-
-/// Something legal about a run that can hardly be meant.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum PhysicsWarning {
-    /// Targets outside the window.
-    #[error("{}", outside_text(outside, *targets))]
-    OutsideWindow {
-        /// Those that no window receives.
-        outside: Vec<TargetOutsideWindow>,
-        /// All targets of the scene.
-        targets: usize,
-    },
-    /// A track that would be near with its coordinates exchanged.
-    #[error(
-        "{platform}: its track begins at {lat_deg:.4} deg, {lon_deg:.4} deg, far from the origin of the scene, and near it with \
-         latitude and longitude swapped"
-    )]
-    Swapped {
-        /// The platform.
-        platform: String,
-        /// Latitude, degrees.
-        lat_deg: f64,
-        /// Longitude, degrees.
-        lon_deg: f64,
-    },
-    /// Yaws in radians under the name of degrees.
-    #[error(
-        "{platform}: yaw is {off_deg:.0} deg off the course, and no more than 2 pi throughout: is yaw_deg in radians?"
-    )]
-    YawInRadians {
-        /// The platform.
-        platform: String,
-        /// Mean difference of yaw and course, degrees.
-        off_deg: f64,
-    },
-    /// A full scale that is too low.
-    #[error(
-        "channel {channel}: {saturated} of {samples} samples exceed the full scale of radar.adc, by up to {by_db:.1} dB: a \
-         full_scale_dbw of {full_scale_dbw:.1} would hold all of them"
-    )]
-    Clipping {
-        /// The channel.
-        channel: String,
-        /// Samples beyond full scale.
-        saturated: u64,
-        /// All samples.
-        samples: u64,
-        /// By how much, dB.
-        by_db: f64,
-        /// What would hold them, dBW.
-        full_scale_dbw: f64,
-    },
-    /// A full scale that is too high.
-    #[error(
-        "the strongest sample is {peak_lsb:.2} of a code: the full scale of radar.adc is above the signal by more than its \
-         {bits} bits hold; a full_scale_dbw of {full_scale_dbw:.1} would fill them"
-    )]
-    Unfilled {
-        /// The strongest sample of all channels, codes.
-        peak_lsb: f64,
-        /// Bits of the converter.
-        bits: u32,
-        /// What would fill them, dBW.
-        full_scale_dbw: f64,
-    },
-}
-
-fn outside_text(outside: &[TargetOutsideWindow], targets: usize) -> String {
-    let many = if outside.len() == targets {
-        "no target lies in the receive window".to_owned()
-    } else {
-        format!("{} of {targets} targets never lie in the receive window", outside.len())
-    };
-    let mut named: Vec<String> = outside
-        .iter()
-        .take(MOST_NAMED)
-        .map(|TargetOutsideWindow { target, echo_us: [from, to], window_us: [opens, closes] }| {
-            format!("{target} (echo {from:.2} to {to:.2} us after the emission, window {opens:.2} to {closes:.2} us)")
-        })
-        .collect();
-    if outside.len() > MOST_NAMED {
-        named.push(format!("{} more", outside.len() - MOST_NAMED));
-    }
-    format!("{many}: {}", named.join(", "))
-}
-
-/// Pulses spread over a run, `most` at most, its ends among them.
-pub(crate) fn instants(scene: &Scene, most: u64) -> Vec<u64> {
-    let last = scene.pulses.saturating_sub(1);
-    let count = most.min(scene.pulses);
-    // In 128 bits: pulses of long runs times the instants.
-    let at = |step: u64| (u128::from(last) * u128::from(step) / u128::from((count - 1).max(1))) as u64;
-    (0..count).map(at).collect()
-}
-
-fn emission(scene: &Scene, pulse: u64) -> TimeTag {
-    scene.start.plus(scene.radar.emissions.interval_s(0, pulse))
-}
-
-fn antennas(radar: &Radar) -> impl Iterator<Item = (&String, &AntennaMount)> {
-    let transmitters = radar.transmitters.iter().map(|tx| (&tx.name, &tx.antenna));
-    transmitters.chain(radar.receivers.iter().map(|rx| (&rx.name, &rx.antenna)))
-}
-
-fn phase_centre(tracks: &[PlatformTracks], mount: &AntennaMount, time: TimeTag) -> Option<Point<Enu>> {
-    let state = tracks[mount.platform].truth.state(time).ok()?;
-    Some(PhaseCentre::of(&state, mount.lever_arm).position)
-}
-
 /// What cannot be, once the tracks are known. A live platform is left out: its trajectory is only nominal.
-pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
-    let scene = &run.scene;
+pub(super) fn faults(prepared: &Prepared) -> Vec<BuildError> {
+    let scene = prepared.scene();
     let mut faults = Vec::new();
-    for (antenna, mount) in antennas(&scene.radar) {
-        if matches!(run.nav[mount.platform].truth, TrackSource::Live(_)) {
+    for (antenna, mount) in mounts(&scene.radar) {
+        if matches!(prepared.run().nav[mount.platform].truth, TrackSource::Live(_)) {
             continue;
         }
-        let depth = |pulse: u64| {
+        let depth = |at: Moment<'_>| {
             // A track that ends early is reported by who needs it.
-            let [x_m, y_m, z_m] = phase_centre(tracks, mount, emission(scene, pulse))?.to_array();
-            Some((-z_m - scene.frame.earth().drop_m(x_m, y_m), pulse))
+            let [x_m, y_m, z_m] = at.phase_centre(mount).ok()?.position.to_array();
+            Some((-z_m - scene.frame.earth().drop_m(x_m, y_m), at.pulse))
         };
-        let deepest =
-            instants(scene, INSTANTS).into_iter().filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0));
+        let deepest = prepared.spread(INSTANTS).filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((depth_m, pulse)) = deepest.filter(|(depth_m, _)| *depth_m > ROUNDING_M) {
-            let platform = scene.platforms[mount.platform].clone();
-            let swapped = swapped(scene, &tracks[mount.platform], &platform).is_some();
-            faults.push(BuildError::BelowSea { antenna: antenna.clone(), platform, depth_m, pulse, swapped });
+            let swapped = swapped(prepared, mount.platform).is_some();
+            let (antenna, platform) = (antenna.to_owned(), scene.platforms[mount.platform].clone());
+            faults.push(BuildError::BelowSea { antenna, platform, depth_m, pulse, swapped });
         }
     }
-    if let (Waveform::Samples { path, .. }, Ok(waveform)) =
-        (&scene.radar.waveform, waveform::from_description(&scene.radar.waveform))
-    {
+    if let (Waveform::Samples { path, .. }, Ok(waveform)) = (&scene.radar.waveform, prepared.waveform()) {
         let (pulse_s, pri_s) = (waveform.duration_s(), scene.radar.emissions.shortest_pri_s());
         if pulse_s > pri_s * (1.0 + 1e-9) {
             faults.push(BuildError::LongPulse {
@@ -195,43 +66,42 @@ pub(super) fn faults(run: &Run, tracks: &[PlatformTracks]) -> Vec<BuildError> {
 /// What is suspicious of where platforms and targets are.
 ///
 /// # Errors
-/// Tracks that cannot be loaded.
-pub fn geometry(run: &Run) -> Result<Vec<PhysicsWarning>, BuildErrors> {
-    let scene = &run.scene;
-    let recorded = run.nav.iter().any(|nav| matches!(nav.truth, TrackSource::File(_)));
-    if scene.targets.is_empty() && !recorded {
-        return Ok(Vec::new());
-    }
-    let (tracks, _) = tracks(&run.nav, scene)?;
+/// A waveform that cannot be read.
+pub fn geometry(prepared: &Prepared) -> Result<Vec<String>, BuildErrors> {
     let mut warnings = Vec::new();
-    for ((nav, track), platform) in run.nav.iter().zip(&tracks).zip(&scene.platforms) {
+    for (platform, nav) in prepared.run().nav.iter().enumerate() {
         if let TrackSource::File(source) = &nav.truth {
-            warnings.extend(swapped(scene, track, platform));
+            warnings.extend(swapped(prepared, platform));
             if source.format == FileFormat::Csv {
-                warnings.extend(in_radians(scene, track, platform));
+                warnings.extend(in_radians(prepared, platform));
             }
         }
     }
-    warnings.extend(targets(run, &tracks)?);
+    warnings.extend(targets(prepared)?);
     Ok(warnings)
 }
 
 /// A track whose latitude and longitude look swapped.
-fn swapped(scene: &Scene, track: &PlatformTracks, platform: &str) -> Option<PhysicsWarning> {
-    let state = track.truth.state(scene.start).ok()?;
+fn swapped(prepared: &Prepared, platform: usize) -> Option<String> {
+    let scene = prepared.scene();
+    let state = prepared.tracks()[platform].truth.state(scene.start).ok()?;
     let at = scene.frame.to_geodetic(state.position)?;
-    at.looks_swapped(scene.frame.origin()?).then(|| PhysicsWarning::Swapped {
-        platform: platform.to_owned(),
-        lat_deg: at.lat_rad.to_degrees(),
-        lon_deg: at.lon_rad.to_degrees(),
+    at.looks_swapped(scene.frame.origin()?).then(|| {
+        format!(
+            "{}: its track begins at {:.4} deg, {:.4} deg, far from the origin of the scene, and near it with latitude and \
+             longitude swapped",
+            scene.platforms[platform],
+            at.lat_rad.to_degrees(),
+            at.lon_rad.to_degrees()
+        )
     })
 }
 
 /// A track whose yaw, which is read in degrees, follows its course if it is taken in radians.
-fn in_radians(scene: &Scene, track: &PlatformTracks, platform: &str) -> Option<PhysicsWarning> {
+fn in_radians(prepared: &Prepared, platform: usize) -> Option<String> {
     let (mut greatest, mut off_deg, mut count) = (0.0f64, [0.0; 2], 0);
-    for pulse in instants(scene, INSTANTS) {
-        let state = track.truth.state(emission(scene, pulse)).ok()?;
+    for at in prepared.spread(INSTANTS) {
+        let state = prepared.tracks()[platform].truth.state(at.time).ok()?;
         let [east, north, _] = state.velocity.to_array();
         if east.hypot(north) < LEAST_WAY_MPS {
             continue;
@@ -247,7 +117,12 @@ fn in_radians(scene: &Scene, track: &PlatformTracks, platform: &str) -> Option<P
     }
     let [read_deg, radians_deg] = off_deg.map(|sum| sum / f64::from(count.max(1)));
     let odd = count > 0 && greatest <= std::f64::consts::TAU + 1e-3 && read_deg > 30.0 && radians_deg < 20.0;
-    odd.then(|| PhysicsWarning::YawInRadians { platform: platform.to_owned(), off_deg: read_deg })
+    let platform = &prepared.scene().platforms[platform];
+    odd.then(|| {
+        format!(
+            "{platform}: yaw is {read_deg:.0} deg off the course, and no more than 2 pi throughout: is yaw_deg in radians?"
+        )
+    })
 }
 
 /// An angle within half a turn, degrees.
@@ -256,31 +131,22 @@ fn turn_deg(angle_deg: f64) -> f64 {
 }
 
 /// Targets whose whole echo lies in no window, at none of the pulses evaluated and in no pair of antennas.
-fn targets(run: &Run, tracks: &[PlatformTracks]) -> Result<Option<PhysicsWarning>, BuildErrors> {
-    let scene = &run.scene;
+fn targets(prepared: &Prepared) -> Result<Option<String>, BuildErrors> {
+    let scene = prepared.scene();
     if scene.targets.is_empty() {
         return Ok(None);
     }
-    let pulse_s = waveform::from_description(&scene.radar.waveform)?.duration_s();
+    let pulse_s = prepared.waveform()?.duration_s();
     let radar = &scene.radar;
     let window_s = radar.window.samples as f64 / radar.sample_rate_hz;
     let interval_s = 1.0 / radar.emissions.mean_prf_hz();
     let pairs = radar.pairs();
     // Distance from the window, echo and window of the nearest approach.
     let mut nearest: Vec<Option<(f64, f64, f64)>> = vec![None; scene.targets.len()];
-    for pulse in instants(scene, INSTANTS) {
-        let time = emission(scene, pulse);
-        let end = |mount: &AntennaMount| phase_centre(tracks, mount, time);
-        let ends: Vec<[Point<Enu>; 2]> = pairs
-            .iter()
-            .filter_map(|pair| {
-                let transmitter = end(&radar.transmitters[pair.transmitter].antenna)?;
-                Some([transmitter, end(&radar.receivers[pair.receiver].antenna)?])
-            })
-            .collect();
-        let Some(first) = ends.first() else { continue };
-        let Some(opens_s) = opens_s(run, tracks, first, time) else { continue };
-        let since_s = time.since(scene.start);
+    for at in prepared.spread(INSTANTS) {
+        let ends: Vec<[Point<Enu>; 2]> = pairs.iter().filter_map(|pair| at.ends(*pair).ok()).collect();
+        let Some(Ok(opens_s)) = ends.first().map(|first| at.opens_s(first)) else { continue };
+        let since_s = at.time.since(scene.start);
         for (target, nearest) in scene.targets.iter().zip(&mut nearest) {
             let place = target.position + target.velocity * since_s;
             for ends in &ends {
@@ -300,36 +166,26 @@ fn targets(run: &Run, tracks: &[PlatformTracks]) -> Result<Option<PhysicsWarning
             }
         }
     }
-    let us = |from_s: f64, to_s: f64| [from_s * 1e6, to_s * 1e6];
-    let outside: Vec<TargetOutsideWindow> = scene
+    let us = |from_s: f64, to_s: f64| format!("{:.2} to {:.2} us", from_s * 1e6, to_s * 1e6);
+    let mut outside: Vec<String> = scene
         .targets
         .iter()
         .zip(nearest)
         .filter_map(|(target, nearest)| {
             let (_, delay_s, opens_s) = nearest.filter(|(off_s, ..)| *off_s > 0.0)?;
-            Some(TargetOutsideWindow {
-                target: target.name.clone(),
-                echo_us: us(delay_s, delay_s + pulse_s),
-                window_us: us(opens_s, opens_s + window_s),
-            })
+            let (echo, window) = (us(delay_s, delay_s + pulse_s), us(opens_s, opens_s + window_s));
+            Some(format!("{} (echo {echo} after the emission, window {window})", target.name))
         })
         .collect();
-    let targets = scene.targets.len();
-    Ok((!outside.is_empty()).then_some(PhysicsWarning::OutsideWindow { outside, targets }))
-}
-
-/// When the window opens after an emission.
-fn opens_s(run: &Run, tracks: &[PlatformTracks], ends: &[Point<Enu>; 2], time: TimeTag) -> Option<f64> {
-    match &run.scene.radar.window.gate {
-        Gate::Fixed { start_s } => Some(*start_s),
-        Gate::Follow { aim, lead_s, aim_from } => {
-            let aim: &Aim = aim;
-            let around = Surroundings { tracks, frame: &run.scene.frame, start: run.scene.start };
-            let (point, _) = around.aim_point(aim, *aim_from, time).ok()?;
-            let path_m: f64 = ends.iter().map(|end| (*end - point).norm()).sum();
-            Some(path_m / SPEED_OF_LIGHT_MPS - lead_s)
-        }
-    }
+    let (missed, targets) = (outside.len(), scene.targets.len());
+    let many = if missed == targets {
+        "no target lies in the receive window".to_owned()
+    } else {
+        format!("{missed} of {targets} targets never lie in the receive window")
+    };
+    outside.truncate(MOST_NAMED);
+    outside.extend((missed > MOST_NAMED).then(|| format!("{} more", missed - MOST_NAMED)));
+    Ok((missed > 0).then(|| format!("{many}: {}", outside.join(", "))))
 }
 
 /// What the converter was fed with.
@@ -389,26 +245,34 @@ impl ConverterReport {
     }
 
     /// Where its full scale does not fit the signal.
-    pub fn warnings(&self) -> Vec<PhysicsWarning> {
+    pub fn warnings(&self) -> Vec<String> {
         let full_lsb = 2f64.powi(self.bits as i32 - 1);
         let holds_dbw = |peak_lsb: f64| self.full_scale_dbw + 20.0 * (peak_lsb / full_lsb).log10();
-        let mut warnings: Vec<PhysicsWarning> = self
+        let mut warnings: Vec<String> = self
             .channels
             .iter()
             .filter(|channel| channel.saturated as f64 > CLIPPED_SHARE * channel.samples as f64)
-            .map(|of| PhysicsWarning::Clipping {
-                channel: of.channel.clone(),
-                saturated: of.saturated,
-                samples: of.samples,
-                by_db: 20.0 * (of.peak_lsb / full_lsb).log10(),
-                full_scale_dbw: holds_dbw(of.peak_lsb),
+            .map(|of| {
+                format!(
+                    "channel {}: {} of {} samples exceed the full scale of radar.adc, by up to {:.1} dB: a full_scale_dbw of {:.1} \
+                     would hold all of them",
+                    of.channel,
+                    of.saturated,
+                    of.samples,
+                    20.0 * (of.peak_lsb / full_lsb).log10(),
+                    holds_dbw(of.peak_lsb)
+                )
             })
             .collect();
         let peak_lsb = self.channels.iter().map(|channel| channel.peak_lsb).fold(0.0, f64::max);
         // One bit codes signs, whatever the scale.
         if peak_lsb > 0.0 && peak_lsb < 1.0 && self.bits > 1 {
-            let (bits, full_scale_dbw) = (self.bits, holds_dbw(peak_lsb));
-            warnings.push(PhysicsWarning::Unfilled { peak_lsb, bits, full_scale_dbw });
+            warnings.push(format!(
+                "the strongest sample is {peak_lsb:.2} of a code: the full scale of radar.adc is above the signal by more than its \
+                 {} bits hold; a full_scale_dbw of {:.1} would fill them",
+                self.bits,
+                holds_dbw(peak_lsb)
+            ));
         }
         warnings
     }

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::BufWriter;
 
 use super::fault::BuildErrors;
-use super::tracks::patch_at;
+use super::prepared::patch_at;
 use crate::config::Run;
 use crate::plot::canvas::Canvas;
 use crate::plot::patch::SeaField;

@@ -96,6 +96,7 @@ impl Echo {
             return Ok(Self::Single(SingleEcho::new(synth)));
         }
         let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
+        let synth = synth.grouped(&generator.channel_groups());
         let hold_pulses = generator.hold_pulses();
         Ok(Self::Fast(Box::new(BlockEcho::new(synth, chosen, pulses, hold_pulses)?)))
     }

@@ -3,13 +3,11 @@
 use crate::config::Run;
 use crate::motion::PlatformNav;
 use crate::motion::errors::Circumstances;
-use crate::motion::pointing::Surroundings;
 use crate::motion::{PlatformTracks, SourceReport, Track};
 use crate::nav::TrackSource;
 use crate::pipeline::fault::{BuildError, BuildErrors};
-use crate::scene::radar::{Aim, Pointing};
-use crate::scene::sea::{PatchPlace, Sea};
-use crate::scene::{Patch, Scene};
+use crate::scene::Scene;
+use crate::scene::radar::Pointing;
 
 /// How a platform's track was made from its source.
 #[derive(Clone, Debug)]
@@ -85,6 +83,12 @@ pub(super) fn set_tracks(
     })
 }
 
+/// What the tracks of a run follow from.
+pub(super) fn flight(run: &Run) -> impl PartialEq {
+    let Scene { frame, start, radar, seed, pulses, platforms, .. } = &run.scene;
+    (&run.nav, frame, start, &radar.emissions, seed, pulses, platforms, servo_lag_s(&run.scene))
+}
+
 /// Longest look-back (lag) of a servo, s.
 fn servo_lag_s(scene: &Scene) -> f64 {
     let pointings = scene.radar.transmitters.iter().map(|t| &t.antenna.pointing);
@@ -92,23 +96,4 @@ fn servo_lag_s(scene: &Scene) -> f64 {
         .chain(scene.radar.receivers.iter().map(|r| &r.antenna.pointing))
         .map(|pointing| if let Pointing::At { lag_s, .. } = pointing { *lag_s } else { 0.0 })
         .fold(0.0, f64::max)
-}
-
-/// The patch of a run at a time, s after pulse 0.
-///
-/// # Errors
-/// Tracks that cannot be loaded, or do not reach to the time.
-pub fn patch_at(run: &Run, sea: &Sea, time_s: f64) -> Result<Patch, BuildErrors> {
-    let PatchPlace::Follow { aim, aim_from } = &sea.place else { return Ok(sea.patch) };
-    let scene = &run.scene;
-    let (tracks, _) = tracks(&run.nav, scene)?;
-    let surroundings = Surroundings { tracks: &tracks, frame: &scene.frame, start: scene.start };
-    let platform = if let Aim::Beside { platform, .. } = aim { *platform } else { 0 };
-    let aimed = surroundings.aim_point(aim, *aim_from, scene.start.plus(time_s));
-    let (point, _) = aimed.map_err(|source| {
-        let platform = scene.platforms[platform].clone();
-        BuildErrors::from(BuildError::Away { platform, time_s, source })
-    })?;
-    let [x_m, y_m, _] = point.to_array();
-    Ok(sea.patch.centred_at([x_m, y_m]))
 }

@@ -32,7 +32,18 @@ use rand::Rng;
 use crate::rng::{Room, stream};
 
 /// Waves of a decorrelating phasor.
-const WAVES: u32 = 16;
+pub const WAVES: usize = 16;
+/// Words of the stream that the waves of a mechanism take.
+const WORDS: u128 = 4 * WAVES as u128;
+
+/// One of them: angular frequency, rad/s, and phase at pulse 0, turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wave {
+    /// Angular frequency, rad/s.
+    pub omega_radps: f64,
+    /// Phase at pulse 0, turns.
+    pub turns: f64,
+}
 
 /// How long a facet remembers its phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,23 +69,50 @@ impl Speckle {
             }
             Self::Decorrelating { time_s } => {
                 let mut draws = stream(seed, Room::FacetDecorrelation, address.0, address.1);
-                let deviation_radps = std::f64::consts::SQRT_2 / time_s;
-                let scale = 1.0 / f64::from(WAVES).sqrt();
+                let scale = 1.0 / (WAVES as f64).sqrt();
                 out.fill_with(|| {
                     let mut sum = Complex64::ZERO;
-                    for _ in 0..WAVES / 2 {
-                        // Box and Muller: two Gaussian frequencies from two uniform numbers.
-                        let radius = (-2.0 * (1.0 - unit(draws.next_u64())).ln()).sqrt() * deviation_radps;
-                        let (sin, cos) = (TAU * unit(draws.next_u64())).sin_cos();
-                        for omega_radps in [radius * cos, radius * sin] {
-                            sum += cis_turns((omega_radps * t_s / TAU).fract() + unit(draws.next_u64()));
-                        }
+                    for Wave { omega_radps, turns } in drawn(&mut draws, time_s) {
+                        sum += cis_turns((omega_radps * t_s / TAU).fract() + turns);
                     }
                     sum * scale
                 });
             }
         }
     }
+
+    /// Rms angular frequency, rad/s.
+    pub fn deviation_radps(self) -> f64 {
+        match self {
+            Self::Frozen => 0.0,
+            Self::Decorrelating { time_s } => std::f64::consts::SQRT_2 / time_s,
+        }
+    }
+
+    /// The waves of a decorrelating phasor of a mechanism of facet `(ix, iy)`; of a frozen one, waves that
+    /// stand.
+    pub fn waves(self, seed: u64, facet: (i64, i64), mechanism: usize) -> [Wave; WAVES] {
+        let Self::Decorrelating { time_s } = self else { return [Wave::default(); WAVES] };
+        let address = (facet.0.cast_unsigned(), facet.1.cast_unsigned());
+        let mut draws = stream(seed, Room::FacetDecorrelation, address.0, address.1);
+        draws.set_word_pos(mechanism as u128 * WORDS);
+        drawn(&mut draws, time_s)
+    }
+}
+
+/// The next waves of a stream.
+fn drawn(draws: &mut impl Rng, time_s: f64) -> [Wave; WAVES] {
+    let deviation_radps = std::f64::consts::SQRT_2 / time_s;
+    let mut waves = [Wave::default(); WAVES];
+    for two in waves.as_chunks_mut::<2>().0 {
+        // Box and Muller: two Gaussian frequencies from two uniform numbers.
+        let radius = (-2.0 * (1.0 - unit(draws.next_u64())).ln()).sqrt() * deviation_radps;
+        let (sin, cos) = (TAU * unit(draws.next_u64())).sin_cos();
+        for (wave, omega_radps) in two.iter_mut().zip([radius * cos, radius * sin]) {
+            *wave = Wave { omega_radps, turns: unit(draws.next_u64()) };
+        }
+    }
+    waves
 }
 
 /// The top 53 bits as a number in [0, 1).

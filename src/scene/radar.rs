@@ -233,6 +233,34 @@ impl TxPolarisation {
             Self::Alternating(sequence) => Some(sequence[(n % sequence.len() as u64) as usize]),
         }
     }
+
+    /// Pulses after which polarisations repeat.
+    pub fn cycle(&self) -> u64 {
+        match self {
+            Self::Simultaneous => 1,
+            Self::Alternating(sequence) => sequence.len().max(1) as u64,
+        }
+    }
+
+    /// The group of channels that a polarisation of [`Self::of_pulse`] fills: a channel is filled by pulses
+    /// of the group of its own transmit polarisation alone. All are of group 0 where all leave together.
+    pub fn group(&self, port: Option<Polarisation>) -> u8 {
+        match (self, port) {
+            (Self::Alternating(sequence), Some(port)) if sequence.contains(&port) => port.code(),
+            (Self::Alternating(_), _) => u8::MAX,
+            (Self::Simultaneous, _) => 0,
+        }
+    }
+
+    /// Share of the pulses that fill channels of a transmit polarisation.
+    pub fn share(&self, port: Polarisation) -> f64 {
+        match self {
+            Self::Simultaneous => 1.0,
+            Self::Alternating(sequence) => {
+                sequence.iter().filter(|own| **own == port).count() as f64 / sequence.len().max(1) as f64
+            }
+        }
+    }
 }
 
 /// The receive window of every pulse.

@@ -23,6 +23,7 @@
 
 use std::io::{self, BufReader};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::spectrum::{Spectrum, SpectrumError, of_water};
 use super::surface::{Grid, StateError, Surface, SurfaceError};
@@ -32,15 +33,15 @@ use crate::scene::Sea;
 use crate::scene::sea::Realisation;
 use crate::scene::water::Dispersion;
 
-/// A sea of which one realisation is known.
-#[derive(Debug)]
+/// A sea of which one realisation is known. Cheap to clone; clones share its spectrum and surface.
+#[derive(Clone, Debug)]
 pub struct Realised {
     /// The wind record of the run.
     pub wind: Wind,
     /// What waves there are, statistically.
-    pub spectrum: Box<dyn Spectrum>,
+    pub spectrum: Arc<dyn Spectrum>,
     /// What waves there are.
-    pub surface: Surface,
+    pub surface: Arc<Surface>,
 }
 
 /// Why a sea cannot be realised.
@@ -128,5 +129,5 @@ pub fn realise(sea: &Sea, seed: u64) -> Result<Realised, RealiseError> {
             surface
         }
     };
-    Ok(Realised { wind, spectrum, surface })
+    Ok(Realised { wind, spectrum: spectrum.into(), surface: surface.into() })
 }

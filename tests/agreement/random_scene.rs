@@ -12,6 +12,8 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 const LIGHT_MPS: f64 = 299_792_458.0;
+/// Tells draws of slow time from those of the rest.
+const SLOW_TIME: u64 = 0x510;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
@@ -185,9 +187,11 @@ pub fn random_scene(seed: u64) -> RandomScene {
     let partner = if geometry.bistatic { format!(" and {}", geometry.partner.name) } else { String::new() };
     let mut text = format!("# Random scene {seed}: {family}{partner}.\n");
     scene(&mut draw, &geometry, &mut text);
-    sea(&mut draw, extremes, &mut text);
+    // Draws of their own, so that the rest of a scene is what it was without them.
+    let mut slow = Draw(ChaCha8Rng::seed_from_u64(seed ^ SLOW_TIME));
+    sea(&mut draw, &mut slow, extremes, &mut text);
     on_the_sea(&mut draw, &geometry, &mut text);
-    radar(&mut draw, &geometry, &signal, &mut text);
+    radar(&mut draw, &mut slow, (&geometry, &signal), &mut text);
     platforms(&mut draw, &geometry, &mut text);
     antennas(&mut draw, &geometry, &mut text);
     line!(text, "[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
@@ -361,10 +365,30 @@ fn on_the_sea(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
     }
 }
 
-fn radar(draw: &mut Draw, geometry: &Geometry, signal: &Signal, out: &mut String) {
+/// Intervals that differ, polarisations that alternate.
+fn rhythm(draw: &mut Draw, prf_hz: f64, out: &mut String) {
+    if draw.chance(0.25) {
+        let most = draw.log(0.01, 0.3);
+        let mut intervals = draw.one(&[2, 3, 5, 16]);
+        let mut pri_us = Vec::new();
+        while intervals > 0 {
+            pri_us.push((1e6 / prf_hz * (1.0 + draw.between(-most, most)) * 100.0).round() / 100.0);
+            intervals -= 1;
+        }
+        line!(out, "pri_us = {pri_us:?}");
+    } else {
+        line!(out, "prf_hz = {prf_hz:?}");
+    }
+    if draw.chance(0.2) {
+        line!(out, "tx_polarisation = \"alternating\"");
+    }
+}
+
+fn radar(draw: &mut Draw, slow: &mut Draw, (geometry, signal): (&Geometry, &Signal), out: &mut String) {
     let Geometry { carrier_hz, prf_hz, bistatic, .. } = geometry;
     let Signal { bandwidth_hz, rate_hz, pulse_s, opens_s, samples } = signal;
-    line!(out, "[radar]\ncarrier_hz = {carrier_hz:?}\nsample_rate_hz = {rate_hz:?}\nprf_hz = {prf_hz:?}");
+    line!(out, "[radar]\ncarrier_hz = {carrier_hz:?}\nsample_rate_hz = {rate_hz:?}");
+    rhythm(slow, *prf_hz, out);
     let channels = draw.one(&[
         "[\"HH\"]",
         "[\"VV\"]",
@@ -453,7 +477,7 @@ fn antennas(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
     }
 }
 
-fn sea(draw: &mut Draw, extremes: Extremes, out: &mut String) {
+fn sea(draw: &mut Draw, slow: &mut Draw, extremes: Extremes, out: &mut String) {
     let spectrum = draw.one(&[
         "elfouhaily",
         "elfouhaily",
@@ -488,6 +512,9 @@ fn sea(draw: &mut Draw, extremes: Extremes, out: &mut String) {
     }
     if draw.chance(0.15) {
         line("displacement = false".to_owned());
+    }
+    if slow.chance(0.2) {
+        line(format!("bragg = \"frozen\"\ndecorrelation_ms = {:?}", slow.log(2.0, 500.0)));
     }
     line("[sea.shadow]".to_owned());
     if draw.chance(0.12) {

@@ -7,7 +7,7 @@ use nereus::config;
 use nereus::pipeline::factory::factory_by;
 use nereus::pipeline::tracks::tracks;
 use nereus::pulse::{Pulse, Samples};
-use nereus::radar::clock::{ClockFault, RunningClocks, adev, preset};
+use nereus::radar::clock::{ClockFault, Oscillator, RunningClocks, adev};
 use nereus::scene::clock::{Clock, Clocks, NamedClock};
 use num_complex::{Complex32, Complex64};
 use proptest::prelude::*;
@@ -215,12 +215,12 @@ fn allan_deviations_are_those_asked() {
     // Audoin, IEEE Trans. Instrum. Meas. 22 (1973) 157).
     let cases = [
         ("random walk", [1e-20, 0.0, 0.0, 0.0, 0.0], 0.75),
-        ("flicker", preset("ocxo").unwrap(), 0.77),
-        ("white", preset("rubidium").unwrap(), 0.87),
+        ("flicker", Oscillator::Ocxo.noise_h(), 0.77),
+        ("white", Oscillator::Rubidium.noise_h(), 0.87),
         ("flicker of phase", [0.0, 0.0, 0.0, 1e-22, 0.0], 0.99),
         ("white phase", [0.0, 0.0, 0.0, 0.0, 1e-24], 0.99),
-        ("tcxo", preset("tcxo").unwrap(), 0.77),
-        ("gpsdo", preset("gpsdo").unwrap(), 0.87),
+        ("tcxo", Oscillator::Tcxo.noise_h(), 0.77),
+        ("gpsdo", Oscillator::Gpsdo.noise_h(), 0.87),
     ];
     for (name, noise, k) in cases {
         let clocks = running(noise, SAMPLES, 5).unwrap();

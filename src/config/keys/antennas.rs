@@ -23,7 +23,7 @@ tables! {
         CLOCK "clock", Section(&clock::TABLE), Means("an ideal clock"), "Errors of its clock.";
     }
     antenna "antenna = { ... } of [[transmitter]] and [[receiver]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
-        KIND "kind", Choice(&["isotropic", "rectangle", "ellipse", "circle", "file"]), Required, "Kind of aperture; apertures are uniformly illuminated. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";
+        KIND "kind", Choice(words::<PatternKind>), Required, "Kind of aperture; apertures are uniformly illuminated. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";
         GAIN_DBI "gain_dbi", number("dBi", -200.0, 200.0), default(0.0), "isotropic: gain in every direction.";
         WIDTH_M "width_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full width.";
         HEIGHT_M "height_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full height.";
@@ -36,12 +36,12 @@ tables! {
         OFFSET_S "offset_s", number("s", -1.0, 1.0), default(0.0), "Reading minus time at pulse 0.";
         DRIFT "drift", number("", -1e-3, 1e-3), default(0.0), "Fractional frequency at pulse 0: 1e-9 gains a nanosecond a second.";
         AGEING_PER_DAY "ageing_per_day", number("1/day", -1e-3, 1e-3), default(0.0), "Growth of the fractional frequency in a day.";
-        PRESET "preset", Choice(&["ocxo", "tcxo", "gpsdo", "rubidium"]), Means("no noise but that of noise_h"), "Noise of a kind of oscillator, Allan deviation at 1 s: 2e-12 and 1e-9 (flicker), 1e-11 and 2e-11 (white frequency).";
+        PRESET "preset", Choice(words::<Oscillator>), Means("no noise but that of noise_h"), "Noise of a kind of oscillator, Allan deviation at 1 s: 2e-12 and 1e-9 (flicker), 1e-11 and 2e-11 (white frequency).";
         NOISE_H "noise_h", Kind::Numbers { unit: "", least: 5, most: 5, min: 0.0, max: 1.0 }, Means("that of the preset, or none"), "h_-2, h_-1, h_0, h_1, h_2 of the one-sided spectrum of the fractional frequency, S_y(f) = sum of h_a f^a (1/Hz).";
         BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e9), Means("half the pulse rate"), "Highest frequency of the phase noise of h_1 and h_2.";
     }
     pointing "pointing = { ... } of [[transmitter]] and [[receiver]]" "Where an antenna points." {
-        KIND "kind", Choice(&["fixed", "at", "beside"]), Required, "Bolted to the body; servo on a point; servo on a point beside a platform.";
+        KIND "kind", Choice(words::<PointingKind>), Required, "Bolted to the body; servo on a point; servo on a point beside a platform.";
         YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), default(0.0), "fixed: relative to the body, positive to starboard (clockwise from above).";
         PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), default(0.0), "fixed: relative to the body, positive up.";
         ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), default(0.0), "fixed: about the boresight.";
@@ -52,7 +52,7 @@ tables! {
         PLATFORM "platform", Name, Required, "beside: the platform.";
         ALONG_M "along_m", number("m", -FAR_M, FAR_M), default(0.0), "beside: metres ahead along the ground track.";
         ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
-        AIM_FROM "aim_from", Choice(&["reported", "true"]), Word("reported"), "at, beside: which tracks the servo knows.";
+        AIM_FROM "aim_from", Choice(words::<AimFrom>), Word("reported"), "at, beside: which tracks the servo knows.";
         LAG_S "lag_s", number("s", 0.0, 100.0), default(0.0), "at, beside: the servo acts on what was known this long ago.";
         BIAS_AZ_DEG "bias_az_deg", number("deg", -180.0, 180.0), default(0.0), "at, beside: constant azimuth offset of the boresight, positive to the left (+y of the antenna), opposite to yaw_deg.";
         BIAS_EL_DEG "bias_el_deg", number("deg", -90.0, 90.0), default(0.0), "at, beside: constant elevation offset of the boresight, positive up (+z of the antenna).";

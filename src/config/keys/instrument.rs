@@ -10,7 +10,7 @@ tables! {
         PRI_US "pri_us", Kind::Numbers { unit: "us", least: 1, most: MOST_PRI, min: 1e-3, max: 1e9 }, Means("prf_hz is given"), "Pulse repetition intervals, repeated in turn.";
         WAVEFORM "waveform", Section(&waveform::TABLE), Required, "What is radiated.";
         WINDOW "window", Section(&window::TABLE), Required, "When samples are taken.";
-        TX_POLARISATION "tx_polarisation", Choice(&["simultaneous", "alternating"]), Word("simultaneous"), "Whether all transmit polarisations leave with every pulse (each with power_w, separated without leakage), or one after the other.";
+        TX_POLARISATION "tx_polarisation", Choice(words::<TxKind>), Word("simultaneous"), "Whether all transmit polarisations leave with every pulse (each with power_w, separated without leakage), or one after the other.";
         TX_SEQUENCE "tx_sequence", Words { least: 1, most: 256, entry: "H, V, R or L" }, Means("the transmit polarisations of the channels, in order of first use"), "Alternating: transmit polarisation of pulse 0, 1, ..., repeated.";
         CHANNELS "channels", Words { least: 1, most: 16, entry: "receive then transmit polarisation, each H, V, R or L" }, Means("[[radar.channel]] is given"), "Polarisation pairs recorded for every transmitter and receiver, e.g. [\"HH\", \"HV\", \"VH\", \"VV\"]. Exactly one of channels and [[radar.channel]].";
         CHANNEL "channel", Sections(&channel::TABLE), Means("channels is given"), "Channels, row by row.";
@@ -26,10 +26,10 @@ tables! {
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
     }
     waveform "[radar.waveform]" "What is radiated, at unit amplitude." {
-        KIND "kind", Choice(&["lfm", "file"]), Required, "Linear frequency modulation, or samples from a file.";
+        KIND "kind", Choice(words::<WaveformKind>), Required, "Linear frequency modulation, or samples from a file.";
         BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm: swept bandwidth.";
         PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm: pulse length.";
-        SWEEP "sweep", Choice(&["up", "down"]), Word("up"), "lfm: direction of the sweep.";
+        SWEEP "sweep", Choice(words::<Sweep>), Word("up"), "lfm: direction of the sweep.";
         PATH "path", File, Required, "file: CSV lines re,im without a header.";
         RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
     }
@@ -39,7 +39,7 @@ tables! {
         FOLLOW "follow", Section(&follow::TABLE), Means("start_us is given"), "A window that follows the echo of an aim point.";
     }
     follow "[radar.window.follow]" "A window that follows the echo of an aim point." {
-        KIND "kind", Choice(&["at", "beside"]), Required, "A point of the scene, or one beside a platform.";
+        KIND "kind", Choice(words::<AimKind>), Required, "A point of the scene, or one beside a platform.";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "at: East, North, height above the sea, at pulse 0.";
         LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "at: latitude; the point lies on the sea.";
         LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "at: longitude.";
@@ -48,7 +48,7 @@ tables! {
         ALONG_M "along_m", number("m", -FAR_M, FAR_M), default(0.0), "beside: metres ahead along the ground track.";
         ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
         LEAD_US "lead_us", number("us", 0.0, 1e6), Required, "How much earlier than the echo of the aim point the window opens.";
-        AIM_FROM "aim_from", Choice(&["reported", "true"]), Word("reported"), "Which tracks steer the opening of the receive window.";
+        AIM_FROM "aim_from", Choice(words::<AimFrom>), Word("reported"), "Which tracks steer the opening of the receive window.";
     }
     adc "[radar.adc]" "Analogue-to-digital converter: mid-rise, I and Q separately, saturating." {
         BITS "bits", count(1, 16), Required, "Bits.";
@@ -62,7 +62,7 @@ tables! {
     }
     calibration "[[radar.calibration]]" "A channel that carries a signal known in closed form in place of an echo (docs/calibration.md)." {
         NAME "name", Name, Required, "Its name in recordings, unique among channels.";
-        KIND "kind", Choice(&["tone", "loopback"]), Required, "A continuous tone, or the transmitted pulse after the receive filter.";
+        KIND "kind", Choice(words::<SignalKind>), Required, "A continuous tone, or the transmitted pulse after the receive filter.";
         RECEIVER "receiver", Name, Means("the only receiver"), "The receiver that takes it, with its clock.";
         TRANSMITTER "transmitter", Name, Means("the only transmitter"), "loopback: the transmitter, with its clock.";
         POWER_DBW "power_dbw", number("dBW", -400.0, 200.0), Required, "Power of the signal; of a loopback, that of a pulse of unit amplitude.";

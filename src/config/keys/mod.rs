@@ -74,8 +74,8 @@ pub enum Kind {
     },
     /// `true` or `false`.
     Flag,
-    /// One of some words.
-    Choice(&'static [&'static str]),
+    /// One of some words, which this lists.
+    Choice(fn() -> Vec<&'static str>),
     /// A list of words.
     Words {
         /// Fewest entries.
@@ -134,6 +134,7 @@ pub enum Absent {
     Means(&'static str),
 }
 
+use super::choices::*;
 use Absent::{Count, Flag, Means, Required, Word, Zeros};
 use Kind::{
     Choice, Date, File, FileOr, Name, Output, PolarisationPair, Section, Sections, Switched, Time, TimeOr,
@@ -304,7 +305,7 @@ impl Kind {
             Self::Count { min, max } => format!("a whole number from {min} to {max}"),
             Self::Flag => "true or false".to_owned(),
             Self::Choice(words) => {
-                let words: Vec<String> = words.iter().map(|w| format!("\"{w}\"")).collect();
+                let words: Vec<String> = words().iter().map(|w| format!("\"{w}\"")).collect();
                 words.join(", ")
             }
             Self::Words { least, most, entry } => format!("a list of {least} to {most} texts, each {entry}"),

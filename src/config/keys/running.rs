@@ -4,7 +4,7 @@ use super::*;
 
 tables! {
     fidelity "[fidelity]" "Speed against accuracy." {
-        ECHO "echo", Choice(&["reference", "fast"]), Word("fast"), "reference: every pulse from its own scatterer paths, in f64. fast: blocks of pulses, paths at nodes and interpolated between them, in f32.";
+        ECHO "echo", Choice(words::<EchoKind>), Word("fast"), "reference: every pulse from its own scatterer paths, in f64. fast: blocks of pulses, paths at nodes and interpolated between them, in f32.";
         ERROR_DB "error_db", number("dB", -120.0, -20.0), default(-60.0), "fast: error allowed against the reference, worst pulse and channel. The keys below are chosen to keep it, but for those that are given.";
         NODE_PULSES "node_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which surface and paths are found to the next; 1: every pulse by itself, from exact paths.";
         SCATTER_PULSES "scatter_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which scattering is found to the next: node_pulses, or about half or a third of it.";
@@ -12,38 +12,38 @@ tables! {
         PANEL_PULSES "panel_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which the panels of ships are evaluated to the next.";
         SIDELOBE_DB "sidelobe_db", number("dB", -400.0, 0.0), Means("chosen for error_db"), "fast: two-way gain below the peak of its antennas at which a tile of 16 x 16 facets is evaluated less often: paths and scattering at the ends of a block only (scattering in its middle, too, where facets turn away), gains at two thirds of the instants; -400: none is.";
         KERNEL_WIDTH "kernel_width", count(4, 8), Means("chosen for error_db"), "fast: cells over which a path is spread; about 20 dB per cell.";
-        DOPPLER "doppler", Choice(&["mean", "shift", "taylor"]), Means("chosen for error_db"), "fast: Doppler within a pulse by its mean, by a shift of delay (linear sweeps), or to first order.";
+        DOPPLER "doppler", Choice(words::<Doppler>), Means("chosen for error_db"), "fast: Doppler within a pulse by its mean, by a shift of delay (linear sweeps), or to first order.";
     }
     stream "[stream]" "How pulses are released." {
-        PACE "pace", Choice(&["realtime", "fast"]), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";
-        POLICY "policy", Choice(&["stop", "slip", "drop"]), Word("stop"), "When pulses are overdue, because generation cannot keep up or the machine stood still: end with an error, stretch time, or drop pulses (docs/running.md).";
+        PACE "pace", Choice(words::<Pace>), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";
+        POLICY "policy", Choice(words::<Policy>), Word("stop"), "When pulses are overdue, because generation cannot keep up or the machine stood still: end with an error, stretch time, or drop pulses (docs/running.md).";
         LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), Means("500; with live navigation what its interpolation needs at the rate of its fixes, at least 500"), "Release minus emission time: how far ahead pulses are made.";
-        PACER_PRIORITY "pacer_priority", Choice(&["realtime", "normal"]), Word("realtime"), "Whether the thread that releases pulses runs at real-time priority (SCHED_FIFO), where the system allows that and there are at most 1000 pulses/s; `nereus run` reports it, or why not.";
+        PACER_PRIORITY "pacer_priority", Choice(words::<PacerPriority>), Word("realtime"), "Whether the thread that releases pulses runs at real-time priority (SCHED_FIFO), where the system allows that and there are at most 1000 pulses/s; `nereus run` reports it, or why not.";
         PACER_CORE "pacer_core", count(0, 1023), Means("any"), "The core on which the thread that releases pulses asks to stay.";
         LOCK_MEMORY "lock_memory", Kind::Flag, Absent::Flag(false), "Whether the stream asks the system that its memory is never moved out (mlockall).";
         MONITOR "monitor", Kind::Address, Means("none"), "Serve a live page there, as `nereus run --monitor` does (docs/monitor.md), such as 127.0.0.1:8080.";
         THREADS "threads", count(0, 1024), Count(0), "Threads that make pulses; 0: as many as the machine has.";
     }
     sink "[[sink]]" "A place where pulses go." {
-        KIND "kind", Choice(&["hdf5", "plain", "crsd", "vita49", "shm", "zmq", "nav", "null"]), Required, "HDF5 recording; folder of plain files; CRSD 1.0 (docs/formats.md); VITA 49.2 over UDP (docs/wire.md); shared memory and ZeroMQ (docs/formats.md); what a platform reports, on a port (docs/navigation.md); nowhere.";
+        KIND "kind", Choice(words::<SinkKind>), Required, "HDF5 recording; folder of plain files; CRSD 1.0 (docs/formats.md); VITA 49.2 over UDP (docs/wire.md); shared memory and ZeroMQ (docs/formats.md); what a platform reports, on a port (docs/navigation.md); nowhere.";
         PATH "path", Output, Required, "hdf5, crsd: the file; plain: the folder.";
         SEGMENT_S "segment_s", number("s", 0.1, 1e7), Means("one file"), "hdf5: start a new file every so many seconds.";
         ADDRESS "address", Kind::Address, Word("127.0.0.1:4991"), "vita49: the receiver. Nothing leaves the machine unless this names another one.";
         BIND "bind", Kind::Address, Means("vita49: any free port; zmq: \"127.0.0.1:5555\""), "vita49: local address and port to send from. zmq: where subscribers connect to; with messages = \"samples\" channel 0 has this port, and each other channel the one after that of the channel before.";
-        MESSAGES "messages", Choice(&["samples", "multipart"]), Word("samples"), "zmq: samples of a channel alone, complex64, a port for each channel (GNU Radio's ZMQ SUB source); or topic, JSON header and all channels on one port.";
+        MESSAGES "messages", Choice(words::<Messages>), Word("samples"), "zmq: samples of a channel alone, complex64, a port for each channel (GNU Radio's ZMQ SUB source); or topic, JSON header and all channels on one port.";
         SERVICE "service", Name, Word("nereus"), "shm: first part of the names of its iceoryx2 services.";
         SUBSCRIBERS "subscribers", count(1, 64), Count(4), "shm: most subscribers at a time.";
         BUFFER_PULSES "buffer_pulses", count(1, 65_536), Means("one second of pulses, at least 64, at most 65536 or 32 MiB"), "shm, zmq: pulses that may wait for a subscriber. While as many wait it loses pulses: of shared memory the oldest, of ZeroMQ those that come.";
         MTU_BYTES "mtu_bytes", count(576, 65_535), Count(1500), "vita49: greatest IP packet; pulses are split to fit.";
-        PROFILE "profile", Choice(&["nereus", "difi"]), Word("nereus"), "vita49: all packets of docs/wire.md, or those of DIFI (IEEE-ISTO 4900) alone: samples and contexts of each channel. difi needs radar.adc.";
+        PROFILE "profile", Choice(words::<Profile>), Word("nereus"), "vita49: all packets of docs/wire.md, or those of DIFI (IEEE-ISTO 4900) alone: samples and contexts of each channel. difi needs radar.adc.";
         DEVICE "device", Output, Required, "nav: the path of a serial port or pseudo terminal, file:PATH, tcp://ADDRESS:PORT (somebody who listens there), or udp://ADDRESS:PORT.";
         BAUD "baud", count(50, 4_000_000), Count(115_200), "nav, serial port: bits per second.";
         PLATFORM "platform", Name, Means("the only platform"), "nav: the platform.";
-        FORMAT "format", Choice(&["nmea", "inspvaxa", "inspvaxb"]), Word("nmea"), "nav: NMEA 0183; NovAtel INSPVAX, ASCII or binary.";
+        FORMAT "format", Choice(words::<NavFormat>), Word("nmea"), "nav: NMEA 0183; NovAtel INSPVAX, ASCII or binary.";
         SENTENCES "sentences", Words { least: 1, most: 7, entry: "GGA, RMC, VTG, HDT, ZDA, GST or PASHR" }, Means("[\"GGA\", \"RMC\"]"), "nav, nmea: sentences, in this order. Readers such as gpsd expect GGA, then RMC, and others behind.";
         RATE_HZ "rate_hz", above("Hz", 0.0, 1000.0), default(5.0), "nav: messages per second, at most one per pulse.";
         LATENCY_S "latency_s", number("s", 0.0, 10.0), default(0.0), "nav: how much later than its emission time a message leaves, in emission time.";
         QUEUE_PULSES "queue_pulses", count(1, 1 << 20), Means("two seconds of pulses, at least 64, at most 65536 or 256 MiB"), "Pulses that may wait for this sink.";
-        ON_FAILURE "on_failure", Choice(&["stop", "continue"]), Word("stop"), "When this sink fails (a full disk): end the run, or go on for the other sinks and fail at its end (docs/running.md).";
+        ON_FAILURE "on_failure", Choice(words::<OnFailure>), Word("stop"), "When this sink fails (a full disk): end the run, or go on for the other sinks and fail at its end (docs/running.md).";
     }
 }

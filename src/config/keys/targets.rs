@@ -19,7 +19,7 @@ tables! {
         S_VH "s_vh", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received V, transmitted H.";
         S_HV "s_hv", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received H, transmitted V.";
         S_HH "s_hh", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, HH.";
-        CONVENTION "convention", Choice(&["fsa", "bsa"]), Word("fsa"), "Scattering matrix: forward-scatter alignment, or back-scatter alignment (the received basis seen from the antenna, a sphere is the unit matrix). S_fsa = diag(1, -1) S_bsa in the order v, h.";
+        CONVENTION "convention", Choice(words::<Alignment>), Word("fsa"), "Scattering matrix: forward-scatter alignment, or back-scatter alignment (the received basis seen from the antenna, a sphere is the unit matrix). S_fsa = diag(1, -1) S_bsa in the order v, h.";
         FLOATING "floating", Kind::Flag, Flag(false), "Whether the waves of [sea] lift it, on top of the height of its position, and tilt its rcs_csv, and their crests hide it where sea.shadow is on. Its velocity is then level.";
         WATERLINE_M "waterline_m", number("m", 0.1, 1000.0), default(5.0), "floating: its length; shorter waves do not move it.";
         MULTIPATH "multipath", Kind::Flag, Flag(false), "Whether the mean sea reflects the rays between it and the antennas: four paths in place of one.";

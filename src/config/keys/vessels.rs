@@ -22,10 +22,10 @@ tables! {
         ECHO "echo", Kind::Flag, Flag(false), "Whether it returns an echo: of the scatterers of its hull's file, or else of its mesh.";
         MESH "mesh", Kind::Flag, Means("true unless the hull's file has scatterers"), "With echo: whether hull and superstructure return it by physical optics, panel by panel.";
         SUPERSTRUCTURE "superstructure", FileOr("none"), Means("\"none\""), "With a mesh: what stands on the hull, triangles of an .obj or .stl file in metres, x forward of midship, y to port, z up from the waterline; scaled with the hull.";
-        UP "up", Choice(&["z", "y"]), Word("z"), "With a superstructure: the axis of its file that points up. With \"y\" z points to starboard, as graphics programs have it.";
+        UP "up", Choice(words::<UpAxis>), Word("z"), "With a superstructure: the axis of its file that points up. With \"y\" z points to starboard, as graphics programs have it.";
         FREEBOARD_M "freeboard_m", above("m", 0.0, 100.0), Means("a twentieth of the length"), "With a mesh: height of the deck above the waterline, up to which the sides of the hull rise.";
         PANEL_M "panel_m", number("m", 0.05, 100.0), default(1.0), "With a mesh: longest edge of a panel; at most 100000 panels per ship.";
-        MOTION "motion", Choice(&["level", "waves"]), Word("level"), "With a mesh: whether it rides level, or heaves, pitches and rolls with the waves of [sea] by the response of a box of its length, beam, draught and block coefficient.";
+        MOTION "motion", Choice(words::<RideKind>), Word("level"), "With a mesh: whether it rides level, or heaves, pitches and rolls with the waves of [sea] by the response of a box of its length, beam, draught and block coefficient.";
         ROLL_PERIOD_S "roll_period_s", number("s", 0.5, 60.0), Means("2 C B / sqrt(GM) with GM = 0.07 B and C = 0.373 + 0.023 B/T - 0.00043 L, 0.3 at least (beam B, draught T, length L in m)"), "motion = \"waves\": its natural period of roll.";
     }
     ais "[[ais]]" "Ships of a recorded AIS log, named mmsi-<number>: each sails straight on with the course and speed of its report nearest to the start. A log is a CSV with the columns Time (UTC), MMSI, Latitude_degrees, Longitude_degrees, COG_degrees, SOG_knots, and if it has them Length_metres, Beam_metres, Draught_metres; or as MarineCadastre or the Danish Maritime Authority name them; or sentences !AIVDM with times in tag blocks. Needs an origin." {
@@ -43,10 +43,10 @@ tables! {
         ECHO "echo", Kind::Flag, Flag(false), "As in [[ship]], as are the keys below: of the scatterers of the hull's file, or else of the mesh of each hull.";
         MESH "mesh", Kind::Flag, Means("true unless the hull's file has scatterers"), "As in [[ship]].";
         SUPERSTRUCTURE "superstructure", FileOr("none"), Means("\"none\""), "As in [[ship]]: the same on all of them, scaled with a hull that comes from a file.";
-        UP "up", Choice(&["z", "y"]), Word("z"), "As in [[ship]].";
+        UP "up", Choice(words::<UpAxis>), Word("z"), "As in [[ship]].";
         FREEBOARD_M "freeboard_m", above("m", 0.0, 100.0), Means("a twentieth of the length"), "As in [[ship]].";
         PANEL_M "panel_m", number("m", 0.05, 100.0), Means("a fiftieth of each length"), "As in [[ship]].";
-        MOTION "motion", Choice(&["level", "waves"]), Word("level"), "As in [[ship]].";
+        MOTION "motion", Choice(words::<RideKind>), Word("level"), "As in [[ship]].";
         ROLL_PERIOD_S "roll_period_s", number("s", 0.5, 60.0), Means("that of each hull, as in [[ship]]"), "As in [[ship]].";
     }
     turbulent "[ship.turbulent]" "The dark V behind a ship: width 4 B (x / 4 L)^(1/a) at a distance x from the stern, with length L and beam B." {

@@ -7,46 +7,46 @@ tables! {
         WIND_USTAR_MPS "wind_ustar_mps", number("m/s", 0.0, 3.0), Means("wind_mps is given"), "Strength of the wind as friction velocity in the profile.";
         WIND_MPS "wind_mps", number("m/s", 0.0, 40.0), Means("wind_ustar_mps is given"), "Strength of the wind as mean speed at wind_height_m. Below 0.3 m/s at 10 m the sea is flat.";
         WIND_HEIGHT_M "wind_height_m", number("m", 1.0, 100.0), default(10.0), "Height above the sea of wind_mps.";
-        WIND_PROFILE "wind_profile", Choice(&["cardone", "wu"]), Word("cardone"), "Profile that carries the wind to other heights: Cardone 1969, or logarithmic with the drag of Wu 1982.";
+        WIND_PROFILE "wind_profile", Choice(words::<WindProfile>), Word("cardone"), "Profile that carries the wind to other heights: Cardone 1969, or logarithmic with the drag of Wu 1982.";
         WIND_TOWARDS_DEG "wind_towards_deg", number("deg", -360.0, 360.0), Means("wind_from_deg is given"), "Direction in which the wind blows, counter-clockwise from East.";
         WIND_FROM_DEG "wind_from_deg", number("deg", -360.0, 360.0), Means("wind_towards_deg is given"), "Direction from which the wind blows, clockwise from North, as in a weather report.";
-        SPECTRUM "spectrum", Choice(&["elfouhaily", "elfouhaily-fung-lee", "fung-lee", "pierson-moskowitz", "jonswap", "measured"]), Word("elfouhaily"), "Spectrum of the wind sea (`nereus table` has another default, see docs/sigma0.md). elfouhaily-fung-lee: Elfouhaily's with the directions of Fung and Lee, as in the MaRS paper. measured: from a file, with the wind's waves beyond its last wave number.";
+        SPECTRUM "spectrum", Choice(words::<SpectrumName>), Word("elfouhaily"), "Spectrum of the wind sea (`nereus table` has another default, see docs/sigma0.md). elfouhaily-fung-lee: Elfouhaily's with the directions of Fung and Lee, as in the MaRS paper. measured: from a file, with the wind's waves beyond its last wave number.";
         INVERSE_WAVE_AGE "inverse_wave_age", number("", 0.84, 5.0), default(0.84), "elfouhaily, elfouhaily-fung-lee: 0.84 fully developed to 5 very young. At most one of inverse_wave_age and fetch_m.";
         FETCH_M "fetch_m", number("m", 100.0, 1e7), Means("inverse_wave_age decides; required with jonswap"), "elfouhaily, elfouhaily-fung-lee, jonswap: distance over which the wind has blown.";
-        SPREADING "spreading", Choice(&["mitsuyasu", "elfouhaily", "constant"]), Word("mitsuyasu"), "pierson-moskowitz, jonswap: exponent s of the spreading cos^2s(phi/2) about the wind: Mitsuyasu's, that of Elfouhaily's upwind to crosswind ratio, or one for all waves.";
+        SPREADING "spreading", Choice(words::<SpreadingLaw>), Word("mitsuyasu"), "pierson-moskowitz, jonswap: exponent s of the spreading cos^2s(phi/2) about the wind: Mitsuyasu's, that of Elfouhaily's upwind to crosswind ratio, or one for all waves.";
         SPREADING_EXPONENT "spreading_exponent", number("", 0.0, 1000.0), Required, "spreading = \"constant\": the exponent s.";
         SPECTRUM_PATH "spectrum_path", File, Required, "measured: CSV with the columns kx_rad_m,ky_rad_m,psi_m4 on a regular grid, K in the direction of travel.";
-        SPECTRUM_TAIL "spectrum_tail", Choice(&["elfouhaily", "none"]), Word("elfouhaily"), "measured: the waves beyond the last wave number of the file: Elfouhaily's of this wind, joined to it, or none (a file without Bragg waves is then a sea without Bragg echo).";
-        WAVES "waves", Choice(&["linear", "choppy"]), Means("\"choppy\"; \"linear\" with depth_m, scattering.displacement = false or a floating target"), "Shape of the waves of the map. linear: crests and troughs symmetric. choppy: second order in the steepness, crests sharper and higher than troughs, facets denser on them; in deep water, and with facets that follow the horizontal motion.";
+        SPECTRUM_TAIL "spectrum_tail", Choice(words::<SpectrumTail>), Word("elfouhaily"), "measured: the waves beyond the last wave number of the file: Elfouhaily's of this wind, joined to it, or none (a file without Bragg waves is then a sea without Bragg echo).";
+        WAVES "waves", Choice(words::<Waves>), Means("\"choppy\"; \"linear\" with depth_m, scattering.displacement = false or a floating target"), "Shape of the waves of the map. linear: crests and troughs symmetric. choppy: second order in the steepness, crests sharper and higher than troughs, facets denser on them; in deep water, and with facets that follow the horizontal motion.";
         CAPILLARY "capillary", Kind::Flag, Flag(false), "Whether surface tension speeds up short waves.";
         DEPTH_M "depth_m", number("m", 0.1, 1e5), Means("deep water"), "Depth of the water, for the speed of the waves.";
         TEMPERATURE_C "temperature_c", number("C", -2.0, 34.0), default(20.0), "Temperature of the water; klein-swift holds from 0 to 30.";
         SALINITY_PSU "salinity_psu", number("psu", 0.0, 40.0), default(35.0), "Practical salinity (PSS-78); 35 is 35.17 g/kg of salt. klein-swift holds from 4 to 35.";
-        PERMITTIVITY "permittivity", Choice(&["meissner-wentz", "klein-swift"]), Word("meissner-wentz"), "Model of the permittivity: Meissner and Wentz 2012 (1 to 90 GHz), Klein and Swift 1977 (1 to 10 GHz).";
-        AVERAGING "averaging", Choice(&["automatic", "points", "cells"]), Word("automatic"), "How the spectrum is taken on the grid of wave numbers: at points, as means over cells, or means only where the grid is coarse for the spectrum.";
+        PERMITTIVITY "permittivity", Choice(words::<Permittivity>), Word("meissner-wentz"), "Model of the permittivity: Meissner and Wentz 2012 (1 to 90 GHz), Klein and Swift 1977 (1 to 10 GHz).";
+        AVERAGING "averaging", Choice(words::<Averaging>), Word("automatic"), "How the spectrum is taken on the grid of wave numbers: at points, as means over cells, or means only where the grid is coarse for the spectrum.";
         STATE_PATH "state_path", File, Means("the waves are drawn from scene.seed"), "A saved sea of the same grid to start from.";
         SCATTERING "scattering", Section(&scattering::TABLE), Means("all defaults"), "How facets scatter.";
         SHADOW "shadow", Section(&shadow::TABLE), Means("all defaults"), "What waves hide.";
     }
     scattering "[sea.scattering]" "How facets scatter." {
-        SPLITTING "splitting", Choice(&["consistent", "mars2007"]), Word("consistent"), "How waves are divided between specular points and Bragg scattering: each once, or all slopes and the whole spectrum in addition to the slopes of the map, as in the MaRS paper.";
-        PHASES "phases", Choice(&["polcoherent", "single"]), Word("polcoherent"), "Random phases of a facet: independent ones of its Bragg and its specular part, with the phases between polarisations kept, or a single one on the magnitudes.";
+        SPLITTING "splitting", Choice(words::<Splitting>), Word("consistent"), "How waves are divided between specular points and Bragg scattering: each once, or all slopes and the whole spectrum in addition to the slopes of the map, as in the MaRS paper.";
+        PHASES "phases", Choice(words::<Phases>), Word("polcoherent"), "Random phases of a facet: independent ones of its Bragg and its specular part, with the phases between polarisations kept, or a single one on the magnitudes.";
         CUT_RADPM "cut_radpm", above("rad/m", 0.0, 1e6), Means("that of the splitting"), "Cutoff wave number that divides the slopes of specular scattering from the Bragg waves.";
         TILT_AVERAGE "tilt_average", Kind::Flag, Means("true; false for mars2007"), "consistent: whether the Bragg part averages over tilts within a facet, so that what the sea returns does not depend on the size of facets. Nine Bragg waves per facet instead of one.";
-        LIGHT_WIND "light_wind", Choice(&["threshold", "published"]), Word("threshold"), "Bragg waves in light wind. threshold: none below the wind that sustains them against viscosity, and a spectral level that never falls as the wind rises. published: the spectrum unmodified, whose level may rise as the wind falls.";
+        LIGHT_WIND "light_wind", Choice(words::<LightWinds>), Word("threshold"), "Bragg waves in light wind. threshold: none below the wind that sustains them against viscosity, and a spectral level that never falls as the wind rises. published: the spectrum unmodified, whose level may rise as the wind falls.";
         GRAM_CHARLIER "gram_charlier", Kind::Flag, Flag(false), "Whether slope densities have the skewness and peakedness of Cox and Munk.";
-        BRAGG "bragg", Choice(&["frozen", "travelling"]), Means("\"travelling\"; \"frozen\" with phases = \"single\""), "Bragg waves within a facet: at rest on it, so that its Doppler is that of the resolved waves alone, or travelling: lines at plus and minus their frequency, weighted by the spectrum along and against the line of sight, as wide as the waves between facet and Bragg wave make them.";
+        BRAGG "bragg", Choice(words::<BraggKind>), Means("\"travelling\"; \"frozen\" with phases = \"single\""), "Bragg waves within a facet: at rest on it, so that its Doppler is that of the resolved waves alone, or travelling: lines at plus and minus their frequency, weighted by the spectrum along and against the line of sight, as wide as the waves between facet and Bragg wave make them.";
         DRIFT_SHARE "drift_share", number("", 0.0, 0.1), default(0.03), "bragg = \"travelling\": ratio of the drift of the water's surface to the speed of the wind at 10 m; 0 for none.";
         DRIFT_DEG "drift_deg", number("deg", -180.0, 180.0), default(0.0), "bragg = \"travelling\": direction of the drift, counter-clockwise from that in which the wind blows; Ekman's is -45 in the northern hemisphere, 45 in the southern.";
-        BREAKING "breaking", Choice(&["off", "whitecaps"]), Means("\"whitecaps\"; \"off\" with facet_m above 4 or a patch of more than 7 km^2"), "Breaking waves: none, or spikes on steep crests that cover as much of the sea as whitecaps do in this wind (Monahan and O'Muircheartaigh 1980) and run downwind for 0.1 to 1 s, a scatterer for each square metre.";
-        MODULATION "modulation", Choice(&["off", "relaxation"]), Word("relaxation"), "Whether long waves modulate the Bragg waves: all facets equally rough, or rougher where the surface contracts, by the relaxation-rate model; the sea then returns more upwind than downwind.";
+        BREAKING "breaking", Choice(words::<Breaking>), Means("\"whitecaps\"; \"off\" with facet_m above 4 or a patch of more than 7 km^2"), "Breaking waves: none, or spikes on steep crests that cover as much of the sea as whitecaps do in this wind (Monahan and O'Muircheartaigh 1980) and run downwind for 0.1 to 1 s, a scatterer for each square metre.";
+        MODULATION "modulation", Choice(words::<ModulationKind>), Word("relaxation"), "Whether long waves modulate the Bragg waves: all facets equally rough, or rougher where the surface contracts, by the relaxation-rate model; the sea then returns more upwind than downwind.";
         RELAXATION_PER_S "relaxation_per_s", number("1/s", 0.01, 1000.0), Means("the growth rate of the Bragg waves seen at 45 degrees (Plant 1982)"), "modulation = \"relaxation\": rate at which Bragg waves return to their equilibrium with the wind.";
         DECORRELATION_MS "decorrelation_ms", above("ms", 0.0, 1e9), Means("never; with bragg = \"travelling\" what the waves within a facet give"), "Time in which a facet forgets its random phase.";
         DISPLACEMENT "displacement", Kind::Flag, Flag(true), "Whether facets follow the horizontal orbital motion of the waves; false: they move up and down only.";
     }
     shadow "[sea.shadow]" "What waves hide from a transmitter or a receiver." {
         ENABLED "enabled", Kind::Flag, Flag(true), "Whether anything is hidden.";
-        EDGE "edge", Choice(&["soft", "sharp"]), Word("soft"), "Whether visibility falls smoothly at the edge of a shadow, or at once as in the MaRS paper.";
+        EDGE "edge", Choice(words::<ShadowEdge>), Word("soft"), "Whether visibility falls smoothly at the edge of a shadow, or at once as in the MaRS paper.";
         WIDTH_RAD "width_rad", above("rad", 0.0, 1000.0), Means("half the rms change of slope over a facet, from the map"), "soft: tangent of the angle above the shadow boundary (the line of sight that grazes the crests before the facet) over which a facet comes into full view.";
         RAYS_PER_FACET "rays_per_facet", count(1, 64), Count(2), "Rays per facet across the look direction.";
         UPDATE_MS "update_ms", number("ms", 0.1, 10_000.0), Means("the multiple of ten pulse intervals nearest to 20 ms, at least ten intervals"), "Time between updates; visibility is cross-faded in between.";
@@ -58,7 +58,7 @@ tables! {
         TOWARDS_DEG "towards_deg", number("deg", -360.0, 360.0), Means("from_deg is given"), "Direction in which it travels, counter-clockwise from East.";
         FROM_DEG "from_deg", number("deg", -360.0, 360.0), Means("towards_deg is given"), "Direction from which it comes, clockwise from North.";
         SPREAD_DEG "spread_deg", number("deg", 3.0, 80.0), default(10.0), "Directional spread, circular standard deviation.";
-        SHAPE "shape", Choice(&["gaussian", "jonswap"]), Word("gaussian"), "Shape in frequency.";
+        SHAPE "shape", Choice(words::<SwellKind>), Word("gaussian"), "Shape in frequency.";
         RELATIVE_WIDTH "relative_width", number("", 0.01, 0.3), default(0.1), "gaussian: standard deviation over peak frequency.";
         PEAK_ENHANCEMENT "peak_enhancement", number("", 1.0, 50.0), Required, "jonswap: peak enhancement; swell has about 5 to 20.";
     }
@@ -75,7 +75,7 @@ tables! {
     land "[land]" "Land on the patch, wherever a raster of heights rises above the sea: constant-gamma clutter at rest, which hides what lies behind it. With [sea] and an origin." {
         DEM "dem", File, Required, "GeoTIFF of heights that covers the patch: one band, north up, EPSG 4326, 4258, 4979 or UTM (326xx, 327xx, 258xx). Cells without data are sea.";
         SEA_LEVEL_M "sea_level_m", number("m", -1000.0, 9000.0), default(0.0), "Height of mean sea level in the raster's vertical datum.";
-        TERRAIN "terrain", Choice(&["flat", "farmland", "rolling-hills", "wooded-hills", "urban", "mountains"]), Word("farmland"), "Kind of terrain, for its gamma at 10 GHz: -20, -15, -12, -10, -5, -5 dB; 5 dB more for ten times the frequency.";
+        TERRAIN "terrain", Choice(words::<Terrain>), Word("farmland"), "Kind of terrain, for its gamma at 10 GHz: -20, -15, -12, -10, -5, -5 dB; 5 dB more for ten times the frequency.";
         GAMMA_DB "gamma_db", number("dB", -60.0, 20.0), Means("that of terrain"), "Normalised cross section over the sine of the local grazing angle, VV.";
         HH_OVER_VV_DB "hh_over_vv_db", number("dB", -20.0, 20.0), default(0.0), "HH over VV.";
         CROSS_OVER_VV_DB "cross_over_vv_db", number("dB", -60.0, 0.0), default(-8.0), "HV and VH over VV.";

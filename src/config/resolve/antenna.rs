@@ -2,10 +2,11 @@
 
 use super::place::{self, SurfaceKeys};
 use super::{Ground, Names};
+use crate::config::choices::{AimKind, PatternKind, PointingKind};
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
 use crate::frames::Vector;
-use crate::scene::radar::{Aim, AimFrom, AntennaMount, Pattern, Pointing};
+use crate::scene::radar::{Aim, AntennaMount, Pattern, Pointing};
 
 /// The keys that transmitters and receivers share.
 pub(super) struct MountKeys {
@@ -88,15 +89,17 @@ pub(super) fn mount(
 fn pattern(section: Section<'_>) -> Option<Pattern> {
     use keys::antenna::{DIAMETER_M, FLOOR_DBI, GAIN_DBI, HEIGHT_M, KIND, PATH, WIDTH_M};
     let pattern = match section.choice(&KIND) {
-        Some("isotropic") => section.number(&GAIN_DBI).map(|gain_dbi| Pattern::Isotropic { gain_dbi }),
-        Some("rectangle") => sides(&section, &WIDTH_M, &HEIGHT_M)
+        Some(PatternKind::Isotropic) => {
+            section.number(&GAIN_DBI).map(|gain_dbi| Pattern::Isotropic { gain_dbi })
+        }
+        Some(PatternKind::Rectangle) => sides(&section, &WIDTH_M, &HEIGHT_M)
             .map(|[width_m, height_m]| Pattern::Rectangle { width_m, height_m }),
-        Some("ellipse") => sides(&section, &WIDTH_M, &HEIGHT_M)
+        Some(PatternKind::Ellipse) => sides(&section, &WIDTH_M, &HEIGHT_M)
             .map(|[width_m, height_m]| Pattern::Ellipse { width_m, height_m }),
-        Some("circle") => section
+        Some(PatternKind::Circle) => section
             .number(&DIAMETER_M)
             .map(|diameter_m| Pattern::Ellipse { width_m: diameter_m, height_m: diameter_m }),
-        Some(_) => {
+        Some(PatternKind::File) => {
             let path = section.file(&PATH);
             let floor_dbi = section.number(&FLOOR_DBI);
             path.zip(floor_dbi).map(|(path, floor_dbi)| Pattern::File { path, floor_dbi })
@@ -114,9 +117,8 @@ fn sides(section: &Section<'_>, width: &'static Key, height: &'static Key) -> Op
 
 fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<Pointing> {
     use keys::pointing as k;
-    let kind = section.choice(&k::KIND);
-    let pointing = match kind {
-        Some("fixed") => {
+    let pointing = match section.choice(&k::KIND) {
+        Some(PointingKind::Fixed) => {
             let [yaw, pitch, roll] =
                 [&k::YAW_DEG, &k::PITCH_DEG, &k::ROLL_DEG].map(|key| section.number(key));
             yaw.zip(pitch).zip(roll).map(|((yaw, pitch), roll)| Pointing::Fixed {
@@ -125,10 +127,10 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
                 roll_rad: roll.to_radians(),
             })
         }
-        Some(kind) => {
+        Some(PointingKind::Aimed(kind)) => {
             let keys = aim_keys!(pointing);
             let aim = aim(&section, kind, &keys, ground, platforms);
-            let aim_from = aim_from(&section, &k::AIM_FROM);
+            let aim_from = section.choice(&k::AIM_FROM);
             let [lag_s, az, el] =
                 [&k::LAG_S, &k::BIAS_AZ_DEG, &k::BIAS_EL_DEG].map(|key| section.number(key));
             aim.zip(aim_from).zip(lag_s).zip(az.zip(el)).map(|(((aim, aim_from), lag_s), (az, el))| {
@@ -144,22 +146,21 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
 /// An aim point of kind `at` or `beside`.
 pub(super) fn aim(
     section: &Section<'_>,
-    kind: &str,
+    kind: AimKind,
     keys: &AimKeys,
     ground: &Ground,
     platforms: &Names,
 ) -> Option<Aim> {
-    if kind == "at" {
-        let position = place::above_sea(section, &keys.surface, ground);
-        let [e, n, u] = section.vector(keys.velocity_mps)?;
-        return Some(Aim::Point { position: position?, velocity: Vector::new(e, n, u) });
+    match kind {
+        AimKind::At => {
+            let position = place::above_sea(section, &keys.surface, ground);
+            let [e, n, u] = section.vector(keys.velocity_mps)?;
+            Some(Aim::Point { position: position?, velocity: Vector::new(e, n, u) })
+        }
+        AimKind::Beside => {
+            let platform = platforms.find(section, keys.platform);
+            let (along_m, across_m) = (section.number(keys.along_m), section.number(keys.across_m));
+            Some(Aim::Beside { platform: platform?, along_m: along_m?, across_m: across_m? })
+        }
     }
-    let platform = platforms.find(section, keys.platform);
-    let (along_m, across_m) = (section.number(keys.along_m), section.number(keys.across_m));
-    Some(Aim::Beside { platform: platform?, along_m: along_m?, across_m: across_m? })
-}
-
-/// Which tracks a servo or the receive window goes by.
-pub(super) fn aim_from(section: &Section<'_>, key: &'static Key) -> Option<AimFrom> {
-    section.choice(key).map(|word| if word == "true" { AimFrom::True } else { AimFrom::Reported })
 }

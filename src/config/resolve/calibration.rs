@@ -1,6 +1,7 @@
 //! Calibration channels.
 
 use super::Names;
+use crate::config::choices::SignalKind;
 use crate::config::error::Problem;
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
@@ -63,7 +64,7 @@ fn one(
         section.fault(key, Problem::Refused { error });
     };
     let signal = match kind {
-        Some("tone") => {
+        Some(SignalKind::Tone) => {
             let offset_hz = section.number(&k::OFFSET_HZ);
             if let (Some(offset_hz), Some(fs)) = (offset_hz, limits.sample_rate_hz)
                 && offset_hz.abs() > 0.5 * fs
@@ -72,7 +73,7 @@ fn one(
             }
             offset_hz.map(|offset_hz| Signal::Tone { offset_hz })
         }
-        Some(_) => {
+        Some(SignalKind::Loopback) => {
             let transmitter = transmitters.find_among(&section, &k::TRANSMITTER);
             let delay_s = section.number(&k::DELAY_S);
             if let (Some(delay_s), Some(window_s), Some(pulse_s)) = (delay_s, limits.window_s, limits.pulse_s)

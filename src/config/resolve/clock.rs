@@ -3,7 +3,7 @@
 use crate::config::error::Problem;
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
-use crate::radar::clock::preset;
+use crate::radar::clock::Oscillator;
 use crate::scene::clock::{Clock, Clocks, NamedClock};
 
 /// One day, s.
@@ -43,7 +43,7 @@ impl Given {
         let other = section.name(&k::SAME_AS);
         let (offset_s, drift) = (section.number(&k::OFFSET_S), section.number(&k::DRIFT));
         let ageing_per_day = section.number(&k::AGEING_PER_DAY);
-        let of_kind = section.choice(&k::PRESET).and_then(preset);
+        let of_kind = section.choice(&k::PRESET).map(Oscillator::noise_h);
         let noise = section.vector::<5>(&k::NOISE_H);
         let bandwidth_hz = section.number(&k::BANDWIDTH_HZ);
         let own = [&k::OFFSET_S, &k::DRIFT, &k::AGEING_PER_DAY, &k::PRESET, &k::NOISE_H, &k::BANDWIDTH_HZ];

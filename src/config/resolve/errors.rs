@@ -1,11 +1,12 @@
 //! Errors of a platform's reports, and the turbulence that it flies through.
 
+use crate::config::choices::GustLevel;
 use crate::config::error::Problem;
 use crate::config::keys::{self, Table};
 use crate::config::section::Section;
 use crate::frames::Vector;
 use crate::motion::errors::preset::Class;
-use crate::motion::errors::{ATTITUDE, AxisErrors, Between, Dropouts, ErrorModel, Recorded, VELOCITY};
+use crate::motion::errors::{ATTITUDE, AxisErrors, Dropouts, ErrorModel, Recorded, VELOCITY};
 use crate::motion::gusts::{Gusts, LEVELS_MPS};
 
 /// When steps and noise have no meaning.
@@ -15,12 +16,9 @@ const SMOOTH: &str = "recorded = \"reported\": the truth must be smooth";
 /// track is live.
 pub(super) fn errors(section: Section<'_>, has_report: bool, live: bool) -> Option<ErrorModel> {
     use keys::errors as k;
-    let preset = section.choice(&k::PRESET).and_then(Class::from_name);
+    let preset = section.choice::<Class>(&k::PRESET);
     let mut model = preset.map_or_else(ErrorModel::default, Class::model);
-    let recorded = section.choice(&k::RECORDED).map(|word| match word {
-        "reported" => Recorded::Reported,
-        _ => Recorded::Truth,
-    });
+    let recorded = section.choice(&k::RECORDED);
     let from_report = recorded == Some(Recorded::Reported);
     if from_report && has_report {
         let when = "the platform has a [platform.reported] of its own".to_owned();
@@ -43,7 +41,7 @@ pub(super) fn errors(section: Section<'_>, has_report: bool, live: bool) -> Opti
     let latency_s = section.number(&k::LATENCY_S);
     model.latency_s = latency_s.unwrap_or(model.latency_s);
     let jitter_s = section.number(&k::JITTER_S);
-    let between = section.choice(&k::BETWEEN).map(between);
+    let between = section.choice(&k::BETWEEN);
     let has_dropouts = section.has(&k::DROPOUTS);
     let dropouts = section.section(&k::DROPOUTS).and_then(dropouts);
     let arm = section.vector(&k::LEVER_ARM_ERROR_M).map(|[x, y, z]| Vector::new(x, y, z));
@@ -82,14 +80,10 @@ fn kinds(section: &Section<'_>, model: &mut ErrorModel, smooth: bool) -> bool {
     sound
 }
 
-fn between(word: &'static str) -> Between {
-    if word == "hold" { Between::Hold } else { Between::Extrapolate }
-}
-
 fn dropouts(section: Section<'_>) -> Option<Dropouts> {
     use keys::dropouts as k;
     let (per_hour, mean_s) = (section.number(&k::PER_HOUR), section.number(&k::MEAN_S));
-    let during = section.choice(&k::DURING).map(between);
+    let during = section.choice(&k::DURING);
     section.finish();
     Some(Dropouts { per_hour: per_hour?, mean_s: mean_s?, during: during? })
 }
@@ -161,10 +155,10 @@ fn axis_errors(
 pub(super) fn gusts(section: Section<'_>) -> Option<Gusts> {
     use keys::turbulence as k;
     let written = section.exactly_one(&[&k::LEVEL, &k::WIND20_MPS]);
-    let level = section.choice(&k::LEVEL).map(|word| match word {
-        "light" => LEVELS_MPS[0],
-        "moderate" => LEVELS_MPS[1],
-        _ => LEVELS_MPS[2],
+    let level = section.choice(&k::LEVEL).map(|level| match level {
+        GustLevel::Light => LEVELS_MPS[0],
+        GustLevel::Moderate => LEVELS_MPS[1],
+        GustLevel::Severe => LEVELS_MPS[2],
     });
     let wind20_mps = section.number(&k::WIND20_MPS);
     let (height_m, airspeed_mps) = (section.number(&k::HEIGHT_M), section.number(&k::AIRSPEED_MPS));

@@ -1,5 +1,6 @@
 //! Land on the patch.
 
+use crate::config::choices::Terrain;
 use crate::config::keys;
 use crate::config::section::Section;
 use crate::scene::Land;
@@ -9,13 +10,13 @@ const GAMMA_AT_HZ: f64 = 10e9;
 const GAMMA_DB_A_DECADE: f64 = 5.0;
 
 /// Gamma of a terrain at 10 GHz, dB (Barton 1985).
-fn gamma_of(terrain: &str) -> f64 {
+fn gamma_of(terrain: Terrain) -> f64 {
     match terrain {
-        "flat" => -20.0,
-        "rolling-hills" => -12.0,
-        "wooded-hills" => -10.0,
-        "urban" | "mountains" => -5.0,
-        _ => -15.0,
+        Terrain::Flat => -20.0,
+        Terrain::Farmland => -15.0,
+        Terrain::RollingHills => -12.0,
+        Terrain::WoodedHills => -10.0,
+        Terrain::Urban | Terrain::Mountains => -5.0,
     }
 }
 

@@ -26,6 +26,7 @@ mod target;
 
 use std::collections::HashMap;
 
+use super::choices::{Begin, EarthShape, TrackKind};
 use super::error::Problem;
 use super::keys::{self, Key};
 use super::section::Section;
@@ -38,9 +39,6 @@ use crate::scene::calibration::Calibration;
 use crate::scene::clock::Clocks;
 use crate::time::TimeTag;
 use crate::{sinks, transport};
-
-/// The start of a run that waits for the clock of the machine.
-const NOW: &str = "now";
 
 /// What a scenario holds.
 pub(super) struct Parts {
@@ -177,13 +175,11 @@ struct Sources {
 impl Sources {
     fn of(platforms: &[Section<'_>]) -> Self {
         use keys::platform::{REPORTED, TRACK};
-        let any =
-            |part, kind| platforms.iter().any(|section| section.has_word_in(part, &keys::track::KIND, kind));
+        let kinds = |part| platforms.iter().filter_map(move |of| of.peek_choice_in(part, &keys::track::KIND));
+        let recorded = |kind| matches!(kind, TrackKind::Recorded(_));
         Self {
-            live: any(&TRACK, "live"),
-            recorded: [&TRACK, &REPORTED].into_iter().any(|part| {
-                ["csv", "nmea", "inspvax", "sbet", "gpx", "kml"].into_iter().any(|kind| any(part, kind))
-            }),
+            live: kinds(&TRACK).any(|kind| kind == TrackKind::Live),
+            recorded: kinds(&TRACK).chain(kinds(&REPORTED)).any(recorded),
         }
     }
 
@@ -201,16 +197,19 @@ impl Sources {
                 Some(("beside a recorded track", "a UTC time within the recording"))
             }
             _ if has_ais => Some(("beside a recorded log", "a UTC time within the log")),
-            Self { live: true, .. } if word == NOW => {
+            Self { live: true, .. } if word == Begin::Now => {
                 Some(("with live navigation", "\"live\", or a UTC time"))
             }
-            Self { live: false, .. } if word != NOW => {
+            Self { live: false, .. } if word == Begin::Live => {
                 Some(("without live navigation", "\"now\", or a UTC time"))
             }
             _ => None,
         };
         if let Some((place, allowed)) = known {
-            let found = if word == NOW { "\"now\"" } else { "\"live\"" };
+            let found = match word {
+                Begin::Now => "\"now\"",
+                Begin::Live => "\"live\"",
+            };
             fault(Problem::Live { found, place, allowed });
         }
     }
@@ -286,8 +285,8 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let (stream, monitor) = stream?;
     Some(Parts {
         scene,
-        start_live: time.word.is_some_and(|word| word != NOW),
-        start_now: time.word == Some(NOW),
+        start_live: time.word == Some(Begin::Live),
+        start_now: time.word == Some(Begin::Now),
         nav: nav.into_iter().collect::<Option<_>>()?,
         clocks: clocks.clocks()?,
         calibration: calibration?,
@@ -303,7 +302,7 @@ struct SceneTime {
     start: Option<TimeTag>,
     start_written: bool,
     /// What stands in place of an instant; `start` only stands for it.
-    word: Option<&'static str>,
+    word: Option<Begin>,
     duration_s: Option<f64>,
     seed: Option<u64>,
 }
@@ -344,9 +343,9 @@ fn ground(section: &Section<'_>) -> Ground {
     if let Some(first) = trio.iter().find(|key| section.has(key)).filter(|_| written < trio.len()) {
         section.fault(first, Problem::Alone { keys: crate::config::hint::names(&trio) });
     }
-    let earth = section.choice(&EARTH);
-    let curved = match earth {
-        Some(word) => word == "curved",
+    let curved = match section.choice(&EARTH) {
+        Some(EarthShape::Curved) => true,
+        Some(EarthShape::Flat) => false,
         None => written == trio.len(),
     };
     let mut factor = Some(1.0);

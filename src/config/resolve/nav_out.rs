@@ -1,6 +1,7 @@
 //! Navigation outputs.
 
 use super::{Ground, Names};
+use crate::config::choices::NavFormat;
 use crate::config::error::Problem;
 use crate::config::keys;
 use crate::config::section::Section;
@@ -21,13 +22,13 @@ pub(super) fn nav(section: &Section<'_>, ground: &Ground, platforms: &Names) -> 
     });
     let platform = platforms.find_or_only(section, &PLATFORM);
     let words = match section.choice(&FORMAT) {
-        Some("inspvaxa") => Some(Messages::InspvaxAscii),
-        Some("inspvaxb") => Some(Messages::InspvaxBinary),
-        Some(_) if section.has(&SENTENCES) => {
+        Some(NavFormat::InspvaxAscii) => Some(Messages::InspvaxAscii),
+        Some(NavFormat::InspvaxBinary) => Some(Messages::InspvaxBinary),
+        Some(NavFormat::Nmea) if section.has(&SENTENCES) => {
             let named = |text: &str| Sentence::named(text).map(Sentence::name);
             section.words(&SENTENCES, named).map(Messages::Nmea)
         }
-        Some(_) => {
+        Some(NavFormat::Nmea) => {
             section.words(&SENTENCES, |_| Some(""));
             Some(Messages::Nmea(vec!["GGA", "RMC"]))
         }

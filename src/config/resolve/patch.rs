@@ -3,6 +3,7 @@
 use super::antenna::{self, AimKeys, aim_keys};
 use super::place::SurfaceKeys;
 use super::{Ground, Names};
+use crate::config::choices::{Followed, PatchKind};
 use crate::config::error::Problem;
 use crate::config::keys::{self, MOST_FACETS};
 use crate::config::section::Section;
@@ -42,7 +43,7 @@ pub(super) fn given(section: &Section<'_>, has_sea: bool, ground: &Ground, platf
         section.fault(key, Problem::Missing { allowed: key.kind.allowed() });
     }
     let (place, centre_m) = match follows {
-        Some("follow") => {
+        Some(PatchKind::Follow) => {
             section.idle(&[&PATCH_CENTRE_M], "patch = \"follow\"");
             let place = match (section.has(&PATCH_FOLLOW), follow.flatten()) {
                 (false, _) => Some(PlaceGiven::FollowReceiver),
@@ -50,7 +51,7 @@ pub(super) fn given(section: &Section<'_>, has_sea: bool, ground: &Ground, platf
             };
             (place, Some([0.0, 0.0]))
         }
-        Some(_) => {
+        Some(PatchKind::Fixed) => {
             section.idle(&[&PATCH_FOLLOW], "patch = \"fixed\"");
             (Some(PlaceGiven::Fixed), centre_m)
         }
@@ -103,9 +104,10 @@ fn facets(section: &Section<'_>, size_m: [f64; 2], facet_m: f64, centre_m: [f64;
 fn follow(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<(Aim, AimFrom)> {
     use keys::patch_follow as k;
     let keys = aim_keys!(patch_follow);
-    let kind = section.choice(&k::KIND).map(|kind| if kind == "point" { "at" } else { kind });
-    let aim = kind.and_then(|kind| antenna::aim(&section, kind, &keys, ground, platforms));
-    let aim_from = antenna::aim_from(&section, &k::AIM_FROM);
+    let aim = section
+        .choice(&k::KIND)
+        .and_then(|Followed(kind)| antenna::aim(&section, kind, &keys, ground, platforms));
+    let aim_from = section.choice(&k::AIM_FROM);
     section.finish();
     Some((aim?, aim_from?))
 }

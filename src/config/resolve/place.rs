@@ -1,6 +1,7 @@
 //! Positions.
 
 use super::{Ground, plausible};
+use crate::config::choices::DatumKind;
 use crate::config::error::Problem;
 use crate::config::hint::names;
 use crate::config::keys::{self, Key};
@@ -64,14 +65,14 @@ pub(super) fn platform(section: &Section<'_>, ground: &Ground) -> Option<Place> 
     if !section.has(&DATUM) {
         section.fault(&DATUM, Problem::Missing { allowed: "\"ellipsoid\", \"msl\"".to_owned() });
     }
-    if datum == Some("barometric") {
+    if datum == Some(DatumKind::Barometric) {
         let allowed = "\"ellipsoid\", \"msl\" (barometric heights belong to recordings)".to_owned();
         section.fault(&DATUM, Problem::Type { found: "\"barometric\"".to_owned(), allowed });
     }
     needs_origin(section, &LAT_DEG, ground)?;
     let above_ellipsoid_m = match datum? {
-        "ellipsoid" => h_m?,
-        _ => h_m? + ground.origin_h_m?,
+        DatumKind::Ellipsoid => h_m?,
+        DatumKind::MeanSeaLevel | DatumKind::Barometric => h_m? + ground.origin_h_m?,
     };
     let place = Geodetic::from_deg(lat_deg?, lon_deg?, above_ellipsoid_m);
     plausible::swap(section, &LAT_DEG, place, ground);

@@ -1,6 +1,7 @@
 //! Platforms: where their trajectories come from.
 
 use super::{Ground, errors, place};
+use crate::config::choices::{AttitudeKind, DatumKind, SmoothingKind, TrackKind};
 use crate::config::error::Problem;
 use crate::config::keys;
 use crate::config::section::Section;
@@ -14,7 +15,7 @@ use crate::nav::{
 /// One `[[platform]]`; its name has been read.
 pub(super) fn platform(section: Section<'_>, ground: &Ground) -> Option<PlatformNav> {
     use keys::platform::{ERRORS, REPORTED, TRACK, TURBULENCE};
-    let live = section.has_word_in(&TRACK, &keys::track::KIND, "live");
+    let live = section.peek_choice_in(&TRACK, &keys::track::KIND) == Some(TrackKind::Live);
     let truth = section.section(&TRACK).map(|section| track(section, ground, Part::Truth));
     let has_report = section.has(&REPORTED);
     let reported = section.section(&REPORTED).map(|section| track(section, ground, Part::Report));
@@ -43,7 +44,7 @@ enum Part {
 
 fn track(section: Section<'_>, ground: &Ground, part: Part) -> Option<TrackSource> {
     let source = match section.choice(&keys::track::KIND) {
-        Some("live") => {
+        Some(TrackKind::Live) => {
             let place = match part {
                 Part::Truth => None,
                 Part::Report => Some("as a report"),
@@ -55,18 +56,14 @@ fn track(section: Section<'_>, ground: &Ground, part: Part) -> Option<TrackSourc
             }
             live(&section, ground).filter(|_| place.is_none()).map(TrackSource::Live)
         }
-        Some("fixed") => fixed(&section, ground),
-        Some("straight") => straight(&section, ground),
-        Some("csv") => file(&section, ground, FileFormat::Csv).map(TrackSource::File),
-        Some("gpx") => file(&section, ground, FileFormat::Gpx).map(TrackSource::File),
-        Some("kml") => file(&section, ground, FileFormat::Kml).map(TrackSource::File),
-        Some("inspvax") => file(&section, ground, FileFormat::Inspvax).map(TrackSource::File),
-        Some("sbet") => {
+        Some(TrackKind::Fixed) => fixed(&section, ground),
+        Some(TrackKind::Straight) => straight(&section, ground),
+        Some(TrackKind::Recorded(FileFormat::Sbet { .. })) => {
             let week = section.count(&keys::track::GPS_WEEK).and_then(|week| u32::try_from(week).ok());
             let source = file(&section, ground, FileFormat::Sbet { gps_week: week.unwrap_or(0) });
             source.filter(|_| week.is_some()).map(TrackSource::File)
         }
-        Some(_) => file(&section, ground, FileFormat::Nmea).map(TrackSource::File),
+        Some(TrackKind::Recorded(format)) => file(&section, ground, format).map(TrackSource::File),
         None => None,
     };
     section.finish();
@@ -152,7 +149,7 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
     let datum = if section.has(&DATUM) {
         datum(section, ground, true)
     } else {
-        section.choice(&DATUM);
+        section.choice::<DatumKind>(&DATUM);
         Some(VerticalDatum::MeanSeaLevel)
     };
     let attitude = attitude_source(section);
@@ -179,13 +176,7 @@ fn live(section: &Section<'_>, ground: &Ground) -> Option<LiveSource> {
 /// How the platform can move; `usual` where the vehicle is not given.
 fn bounds(section: &Section<'_>, usual: MotionBounds) -> Option<MotionBounds> {
     use keys::track::{MAX_ACCELERATION_MPS2, MAX_SPEED_MPS, RESET_FIXES, VEHICLE};
-    let usual = match section.choice(&VEHICLE) {
-        Some("ship") => Some(MotionBounds::SHIP),
-        Some("ground") => Some(MotionBounds::GROUND),
-        Some("spacecraft") => Some(MotionBounds::SPACECRAFT),
-        Some(_) => Some(MotionBounds::AIRCRAFT),
-        None => (!section.has(&VEHICLE)).then_some(usual),
-    };
+    let usual = section.choice_or(&VEHICLE, usual);
     let (speed, acceleration) = (section.number(&MAX_SPEED_MPS), section.number(&MAX_ACCELERATION_MPS2));
     let reset_fixes = section.count(&RESET_FIXES).and_then(|fixes| usize::try_from(fixes).ok());
     let usual = usual?;
@@ -198,15 +189,13 @@ fn bounds(section: &Section<'_>, usual: MotionBounds) -> Option<MotionBounds> {
 }
 
 fn attitude_source(section: &Section<'_>) -> Option<AttitudeSource> {
-    if !section.has(&keys::track::ATTITUDE) {
-        section.choice(&keys::track::ATTITUDE);
-        return Some(AttitudeSource::Automatic);
-    }
-    Some(match section.choice(&keys::track::ATTITUDE)? {
-        "recorded" => AttitudeSource::Recorded,
-        "coordinated_turn" => AttitudeSource::CoordinatedTurn,
-        "level" => AttitudeSource::Level,
-        _ => AttitudeSource::Constant(attitude(section)?),
+    Some(match section.choice(&keys::track::ATTITUDE) {
+        Some(AttitudeKind::Recorded) => AttitudeSource::Recorded,
+        Some(AttitudeKind::CoordinatedTurn) => AttitudeSource::CoordinatedTurn,
+        Some(AttitudeKind::Level) => AttitudeSource::Level,
+        Some(AttitudeKind::Constant) => AttitudeSource::Constant(attitude(section)?),
+        None if section.has(&keys::track::ATTITUDE) => return None,
+        None => AttitudeSource::Automatic,
     })
 }
 
@@ -214,9 +203,9 @@ fn attitude_source(section: &Section<'_>) -> Option<AttitudeSource> {
 fn datum(section: &Section<'_>, ground: &Ground, geodetic: bool) -> Option<VerticalDatum> {
     use keys::track::{BAROMETRIC_OFFSET_M, DATUM};
     match section.choice(&DATUM) {
-        Some("ellipsoid") => Some(VerticalDatum::Ellipsoid),
-        Some("msl") => Some(VerticalDatum::MeanSeaLevel),
-        Some(_) => {
+        Some(DatumKind::Ellipsoid) => Some(VerticalDatum::Ellipsoid),
+        Some(DatumKind::MeanSeaLevel) => Some(VerticalDatum::MeanSeaLevel),
+        Some(DatumKind::Barometric) => {
             section.number(&BAROMETRIC_OFFSET_M).map(|offset_m| VerticalDatum::Barometric { offset_m })
         }
         // Local coordinates have no datum.
@@ -234,9 +223,8 @@ fn datum(section: &Section<'_>, ground: &Ground, geodetic: bool) -> Option<Verti
 
 fn smoothing(section: Section<'_>) -> Option<Smoothing> {
     use keys::smoothing::{HORIZONTAL_SIGMA_M, KIND, MAX_ACCELERATION_MPS2, VERTICAL_SIGMA_M};
-    let kind = section.choice(&KIND);
-    let smoothing = match kind {
-        Some("rts") => {
+    let smoothing = match section.choice(&KIND) {
+        Some(SmoothingKind::Rts) => {
             let horizontal = section.number(&HORIZONTAL_SIGMA_M);
             let vertical = section.number(&VERTICAL_SIGMA_M);
             let acceleration = section.number(&MAX_ACCELERATION_MPS2);
@@ -248,7 +236,7 @@ fn smoothing(section: Section<'_>) -> Option<Smoothing> {
                 },
             )
         }
-        Some(_) => Some(Smoothing::Off),
+        Some(SmoothingKind::Off) => Some(Smoothing::Off),
         None => None,
     };
     section.finish();

@@ -5,6 +5,7 @@ use super::calibration::{self, Limits};
 use super::clock::Given;
 use super::place::SurfaceKeys;
 use super::{Ground, Names, plausible};
+use crate::config::choices::{TxKind, WaveformKind};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::scalars::{polarisation, polarisation_pair};
@@ -12,8 +13,8 @@ use crate::config::section::Section;
 use crate::radar::rain::{CARRIERS_HZ, RAYLEIGH_TO_HZ};
 use crate::scene::calibration::Calibration;
 use crate::scene::radar::{
-    Adc, Channel, Gate, Polarisation, Radar, RainClutter, Receiver, Sweep, Transmitter, TxPolarisation,
-    Waveform, Window,
+    Adc, Channel, Gate, Polarisation, Radar, RainClutter, Receiver, Transmitter, TxPolarisation, Waveform,
+    Window,
 };
 use crate::time::PulseTimes;
 
@@ -195,28 +196,27 @@ fn emissions(section: &Section<'_>) -> Option<PulseTimes> {
 
 fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Option<Waveform> {
     use keys::waveform::{BANDWIDTH_HZ, KIND, PATH, PULSE_S, RATE_HZ, SWEEP};
-    let waveform = match section.choice(&KIND) {
-        Some("lfm") => {
-            let bandwidth_hz = section.number(&BANDWIDTH_HZ);
-            if let (Some(bandwidth_hz), Some(sample_rate_hz)) = (bandwidth_hz, sample_rate_hz)
-                && bandwidth_hz > sample_rate_hz
-            {
-                section.fault(&BANDWIDTH_HZ, Problem::Bandwidth { bandwidth_hz, sample_rate_hz });
+    let waveform =
+        match section.choice(&KIND) {
+            Some(WaveformKind::Lfm) => {
+                let bandwidth_hz = section.number(&BANDWIDTH_HZ);
+                if let (Some(bandwidth_hz), Some(sample_rate_hz)) = (bandwidth_hz, sample_rate_hz)
+                    && bandwidth_hz > sample_rate_hz
+                {
+                    section.fault(&BANDWIDTH_HZ, Problem::Bandwidth { bandwidth_hz, sample_rate_hz });
+                }
+                let duration_s = section.number(&PULSE_S);
+                let sweep = section.choice(&SWEEP);
+                bandwidth_hz.zip(duration_s).zip(sweep).map(|((bandwidth_hz, duration_s), sweep)| {
+                    Waveform::Lfm { bandwidth_hz, duration_s, sweep }
+                })
             }
-            let duration_s = section.number(&PULSE_S);
-            let sweep = section.choice(&SWEEP).map(|word| if word == "up" { Sweep::Up } else { Sweep::Down });
-            bandwidth_hz.zip(duration_s).zip(sweep).map(|((bandwidth_hz, duration_s), sweep)| Waveform::Lfm {
-                bandwidth_hz,
-                duration_s,
-                sweep,
-            })
-        }
-        Some(_) => {
-            let (path, rate_hz) = (section.file(&PATH), section.number(&RATE_HZ));
-            path.zip(rate_hz).map(|(path, rate_hz)| Waveform::Samples { path, rate_hz })
-        }
-        None => None,
-    };
+            Some(WaveformKind::File) => {
+                let (path, rate_hz) = (section.file(&PATH), section.number(&RATE_HZ));
+                path.zip(rate_hz).map(|(path, rate_hz)| Waveform::Samples { path, rate_hz })
+            }
+            None => None,
+        };
     section.finish();
     waveform
 }
@@ -251,10 +251,10 @@ fn window(
 fn follow(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<Gate> {
     use keys::follow as k;
     let aim_keys = aim_keys!(follow);
-    let kind = section.choice(&k::KIND);
-    let aim = kind.and_then(|kind| antenna::aim(&section, kind, &aim_keys, ground, platforms));
+    let aim =
+        section.choice(&k::KIND).and_then(|kind| antenna::aim(&section, kind, &aim_keys, ground, platforms));
     let lead_us = section.number(&k::LEAD_US);
-    let aim_from = antenna::aim_from(&section, &k::AIM_FROM);
+    let aim_from = section.choice(&k::AIM_FROM);
     section.finish();
     Some(Gate::Follow { aim: aim?, lead_s: lead_us? / 1e6, aim_from: aim_from? })
 }
@@ -346,14 +346,17 @@ fn channel(section: Section<'_>, antennas: &Antennas<'_>, names: &mut Names) -> 
 
 fn tx_polarisation(section: &Section<'_>, channels: Option<&[Channel]>) -> Option<TxPolarisation> {
     use keys::radar::{TX_POLARISATION, TX_SEQUENCE};
-    let alternating = section.choice(&TX_POLARISATION)? == "alternating";
+    let kind = section.choice(&TX_POLARISATION)?;
     let given = section.words(&TX_SEQUENCE, polarisation);
-    if !alternating {
-        if section.has(&TX_SEQUENCE) {
-            section
-                .fault(&TX_SEQUENCE, Problem::Idle { when: "tx_polarisation = \"simultaneous\"".to_owned() });
+    match kind {
+        TxKind::Simultaneous => {
+            if section.has(&TX_SEQUENCE) {
+                let when = "tx_polarisation = \"simultaneous\"".to_owned();
+                section.fault(&TX_SEQUENCE, Problem::Idle { when });
+            }
+            return Some(TxPolarisation::Simultaneous);
         }
-        return Some(TxPolarisation::Simultaneous);
+        TxKind::Alternating => {}
     }
     let channels = channels?;
     if !section.has(&TX_SEQUENCE) {

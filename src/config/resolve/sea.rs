@@ -1,15 +1,18 @@
 //! The sea: wind, waves, water, and how its facets scatter.
 
 use super::{land, slick};
+use crate::config::choices::{
+    BraggKind, Choice, ModulationKind, ShadowEdge, SpectrumName, SpectrumTail, SpreadingLaw, SwellKind,
+};
 use crate::config::error::Problem;
 use crate::config::keys::{self, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
 use crate::config::section::Section;
 use crate::scene::sea::{
-    Averaging, BraggWaves, Breaking, FacetScattering, LightWinds, Modulation, PatchPlace, Permittivity,
-    Phases, Realisation, Shadowing, Splitting, Waves,
+    BraggWaves, Breaking, FacetScattering, Modulation, PatchPlace, Permittivity, Phases, Realisation,
+    Shadowing, Splitting, Waves,
 };
 use crate::scene::water::{
-    Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindProfile, WindStrength,
+    Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindStrength,
 };
 use crate::scene::{Patch, Sea, Water};
 
@@ -97,8 +100,7 @@ fn wind(section: &Section<'_>) -> Option<WindGiven> {
         (None, Some(speed_mps)) => WindStrength::Speed { speed_mps, height_m: height_m? },
         (None, None) => return None,
     };
-    let profile = if profile? == "wu" { WindProfile::Wu } else { WindProfile::Cardone };
-    Some(WindGiven { strength, profile, direction_rad: direction_rad? })
+    Some(WindGiven { strength, profile: profile?, direction_rad: direction_rad? })
 }
 
 fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
@@ -107,46 +109,46 @@ fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
     };
     let growth = [&INVERSE_WAVE_AGE, &FETCH_M];
     let spread = [&SPREADING, &SPREADING_EXPONENT];
-    let Some(kind) = section.choice(&SPECTRUM) else {
+    let Some(kind) = section.choice::<SpectrumName>(&SPECTRUM) else {
         // It is not known which of these belong here: they are read, for faults of their own, where they are
         // written.
         for key in growth.into_iter().filter(|key| section.has(key)) {
             section.number(key);
         }
-        section.choice(&SPREADING);
+        section.choice::<SpreadingLaw>(&SPREADING);
         if section.has(&SPREADING_EXPONENT) {
             section.number(&SPREADING_EXPONENT);
         }
         if section.has(&SPECTRUM_PATH) {
             section.file(&SPECTRUM_PATH);
         }
-        section.choice(&SPECTRUM_TAIL);
+        section.choice::<SpectrumTail>(&SPECTRUM_TAIL);
         return None;
     };
-    let when = format!("spectrum = \"{kind}\"");
+    let when = format!("spectrum = \"{}\"", kind.word());
     let idle = |keys: &[&'static Key]| section.idle(keys, &when);
-    if kind != "measured" {
+    if kind != SpectrumName::Measured {
         idle(&[&SPECTRUM_PATH, &SPECTRUM_TAIL]);
     }
     match kind {
-        "elfouhaily" | "elfouhaily-fung-lee" => {
+        SpectrumName::Elfouhaily => {
             idle(&spread);
-            let development = development(section)?;
-            Some(match kind {
-                "elfouhaily" => SpectrumKind::Elfouhaily { development },
-                _ => SpectrumKind::ElfouhailyFungLee { development },
-            })
+            Some(SpectrumKind::Elfouhaily { development: development(section)? })
         }
-        "fung-lee" => {
+        SpectrumName::ElfouhailyFungLee => {
+            idle(&spread);
+            Some(SpectrumKind::ElfouhailyFungLee { development: development(section)? })
+        }
+        SpectrumName::FungLee => {
             idle(&growth);
             idle(&spread);
             Some(SpectrumKind::FungLee)
         }
-        "pierson-moskowitz" => {
+        SpectrumName::PiersonMoskowitz => {
             idle(&growth);
             Some(SpectrumKind::PiersonMoskowitz { spreading: spreading(section)? })
         }
-        "jonswap" => {
+        SpectrumName::Jonswap => {
             idle(&[&INVERSE_WAVE_AGE]);
             let fetch_m = section.number(&FETCH_M);
             if !section.has(&FETCH_M) {
@@ -155,12 +157,16 @@ fn spectrum(section: &Section<'_>) -> Option<SpectrumKind> {
             let spreading = spreading(section);
             Some(SpectrumKind::Jonswap { fetch_m: fetch_m?, spreading: spreading? })
         }
-        _ => {
+        SpectrumName::Measured => {
             idle(&growth);
             idle(&spread);
             let tail = section.choice(&SPECTRUM_TAIL);
             let path = section.file(&SPECTRUM_PATH)?;
-            Some(SpectrumKind::Measured { path, tail: tail? == "elfouhaily" })
+            let tail = match tail? {
+                SpectrumTail::Elfouhaily => true,
+                SpectrumTail::None => false,
+            };
+            Some(SpectrumKind::Measured { path, tail })
         }
     }
 }
@@ -174,13 +180,14 @@ fn development(section: &Section<'_>) -> Option<Development> {
 
 fn spreading(section: &Section<'_>) -> Option<Spreading> {
     use keys::sea::{SPREADING, SPREADING_EXPONENT};
-    let word = section.choice(&SPREADING);
-    match word {
-        Some("constant") => section.number(&SPREADING_EXPONENT).map(Spreading::Constant),
-        Some(word) => {
-            section.idle(&[&SPREADING_EXPONENT], &format!("spreading = \"{word}\""));
-            Some(if word == "elfouhaily" { Spreading::LikeElfouhaily } else { Spreading::Mitsuyasu })
-        }
+    let fixed = |law: SpreadingLaw, spreading| {
+        section.idle(&[&SPREADING_EXPONENT], &format!("spreading = \"{}\"", law.word()));
+        Some(spreading)
+    };
+    match section.choice(&SPREADING) {
+        Some(SpreadingLaw::Constant) => section.number(&SPREADING_EXPONENT).map(Spreading::Constant),
+        Some(law @ SpreadingLaw::Elfouhaily) => fixed(law, Spreading::LikeElfouhaily),
+        Some(law @ SpreadingLaw::Mitsuyasu) => fixed(law, Spreading::Mitsuyasu),
         None => {
             if section.has(&SPREADING_EXPONENT) {
                 section.number(&SPREADING_EXPONENT);
@@ -206,7 +213,7 @@ fn waves(root: &Section<'_>, section: &Section<'_>, scattering: Option<&FacetSca
     let moves = scattering.is_none_or(|scattering| scattering.displacement);
     let floats = root.any_has_flag(&keys::root::TARGET, &keys::target::FLOATING);
     let suits = moves && !floats && !section.has(&DEPTH_M);
-    if section.choice_or(&WAVES, if suits { "choppy" } else { "linear" })? == "linear" {
+    if section.choice_or(&WAVES, if suits { Waves::Choppy } else { Waves::Linear })? == Waves::Linear {
         return Some(Waves::Linear);
     }
     section.idle(&[&DEPTH_M], "waves = \"choppy\", which is for deep water only");
@@ -220,9 +227,10 @@ fn waves(root: &Section<'_>, section: &Section<'_>, scattering: Option<&FacetSca
 
 fn permittivity(section: &Section<'_>, carrier_hz: Option<f64>) -> Option<Permittivity> {
     use keys::sea::{PERMITTIVITY, SALINITY_PSU, TEMPERATURE_C};
-    let (model, range) = match section.choice(&PERMITTIVITY)? {
-        "klein-swift" => (Permittivity::KleinSwift, KLEIN_SWIFT),
-        _ => (Permittivity::MeissnerWentz, MEISSNER_WENTZ),
+    let model = section.choice(&PERMITTIVITY)?;
+    let range = match model {
+        Permittivity::MeissnerWentz => MEISSNER_WENTZ,
+        Permittivity::KleinSwift => KLEIN_SWIFT,
     };
     let check = |key: &'static Key, what: &str, unit: &str, value: Option<f64>, [low, high]: [f64; 2]| {
         if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
@@ -246,12 +254,7 @@ fn realisation(section: &Section<'_>) -> Option<Realisation> {
         return section.file(&STATE_PATH).map(|path| Realisation::Saved { path });
     }
     section.file(&STATE_PATH);
-    let averaging = match section.choice(&AVERAGING)? {
-        "points" => Averaging::Points,
-        "cells" => Averaging::Cells,
-        _ => Averaging::Automatic,
-    };
-    Some(Realisation::Drawn { averaging })
+    section.choice(&AVERAGING).map(|averaging| Realisation::Drawn { averaging })
 }
 
 fn scattering(
@@ -273,17 +276,18 @@ fn scattering(
         && sound(&DECORRELATION_MS, decorrelation_ms)
         && sound(&RELAXATION_PER_S, relaxation_per_s);
     let modulation = section.choice(&MODULATION);
-    if modulation == Some("off") {
+    if modulation == Some(ModulationKind::Off) {
         section.idle(&[&RELAXATION_PER_S], "modulation = \"off\"");
     }
     // One phase cannot turn with two lines.
-    let bragg = section.choice_or(&BRAGG, if phases == Some("single") { "frozen" } else { "travelling" });
+    let single = phases == Some(Phases::Single);
+    let bragg = section.choice_or(&BRAGG, if single { BraggKind::Frozen } else { BraggKind::Travelling });
     let [drift_share, drift_deg] = [&DRIFT_SHARE, &DRIFT_DEG].map(|key| section.number(key));
-    if bragg == Some("frozen") {
+    if bragg == Some(BraggKind::Frozen) {
         let why = if section.has(&BRAGG) { "bragg = \"frozen\"" } else { "phases = \"single\"" };
         section.idle(&[&DRIFT_SHARE, &DRIFT_DEG], why);
     }
-    if bragg == Some("travelling") && phases == Some("single") {
+    if bragg == Some(BraggKind::Travelling) && single {
         section.idle(
             &[&BRAGG],
             "phases = \"single\": one phase for waves of both lines; set phases = \"polcoherent\"",
@@ -294,12 +298,12 @@ fn scattering(
         let area_m2 = patch.len() as f64 * patch.facet_m * patch.facet_m;
         patch.facet_m <= BREAKING_FACET_M && area_m2 <= BREAKING_AREA_M2
     });
-    let breaking = section.choice_or(&BREAKING, if few { "whitecaps" } else { "off" });
+    let breaking = section.choice_or(&BREAKING, if few { Breaking::Whitecaps } else { Breaking::Off });
     let light_wind = section.choice(&LIGHT_WIND);
     let [gram_charlier, displacement] = [&GRAM_CHARLIER, &DISPLACEMENT].map(|key| section.flag(key));
     // The paper's slope density already holds the tilts.
-    let tilt_average = section.flag_or(&TILT_AVERAGE, splitting != Some("mars2007"));
-    if splitting == Some("mars2007") && tilt_average == Some(true) {
+    let tilt_average = section.flag_or(&TILT_AVERAGE, splitting != Some(Splitting::Mars2007));
+    if splitting == Some(Splitting::Mars2007) && tilt_average == Some(true) {
         section.idle(&[&TILT_AVERAGE], "splitting = \"mars2007\"");
     }
     section.finish();
@@ -308,22 +312,22 @@ fn scattering(
     }
     Some(FacetScattering {
         permittivity: permittivity?,
-        splitting: if splitting? == "mars2007" { Splitting::Mars2007 } else { Splitting::Consistent },
+        splitting: splitting?,
         cut_radpm,
         tilt_average: tilt_average?,
-        light_wind: if light_wind? == "published" { LightWinds::AsPublished } else { LightWinds::Threshold },
+        light_wind: light_wind?,
         gram_charlier: gram_charlier?,
-        phases: if phases? == "single" { Phases::Single } else { Phases::PolCoherent },
+        phases: phases?,
         bragg: match bragg? {
-            "travelling" => {
+            BraggKind::Travelling => {
                 BraggWaves::Travelling { drift_share: drift_share?, drift_turn_rad: drift_deg?.to_radians() }
             }
-            _ => BraggWaves::Frozen,
+            BraggKind::Frozen => BraggWaves::Frozen,
         },
-        breaking: if breaking? == "whitecaps" { Breaking::Whitecaps } else { Breaking::Off },
+        breaking: breaking?,
         modulation: match modulation? {
-            "relaxation" => Modulation::Relaxation { rate_per_s: relaxation_per_s },
-            _ => Modulation::Off,
+            ModulationKind::Relaxation => Modulation::Relaxation { rate_per_s: relaxation_per_s },
+            ModulationKind::Off => Modulation::Off,
         },
         decorrelation_s: decorrelation_ms.map(|ms| ms / 1e3),
         displacement: displacement?,
@@ -337,7 +341,7 @@ fn shadow(section: Section<'_>, pri_s: Option<f64>) -> Option<Option<Shadowing>>
     let edge = section.choice(&EDGE);
     let width_rad = section.number(&WIDTH_RAD);
     let sound = !section.has(&WIDTH_RAD) || width_rad.is_some();
-    if edge == Some("sharp") {
+    if edge == Some(ShadowEdge::Sharp) {
         section.idle(&[&WIDTH_RAD], "edge = \"sharp\"");
     }
     let rays = section.count(&RAYS_PER_FACET);
@@ -352,7 +356,10 @@ fn shadow(section: Section<'_>, pri_s: Option<f64>) -> Option<Option<Shadowing>>
         section.idle(&[&TWO_RAYS], "enabled = false");
     }
     section.finish();
-    let width_rad = if edge? == "sharp" { Some(0.0) } else { width_rad };
+    let width_rad = match edge? {
+        ShadowEdge::Soft => width_rad,
+        ShadowEdge::Sharp => Some(0.0),
+    };
     let rays_per_facet = usize::try_from(rays?).ok()?;
     let shadowing = Shadowing { width_rad, rays_per_facet, update_s, two_rays: two_rays? };
     sound.then_some(enabled?.then_some(shadowing))
@@ -368,12 +375,12 @@ fn swell(section: Section<'_>) -> Option<Swell> {
     let direction_rad = direction_rad(&section, &TOWARDS_DEG, &FROM_DEG);
     let spread_deg = section.number(&SPREAD_DEG);
     let shape = match section.choice(&SHAPE) {
-        Some("jonswap") => {
+        Some(SwellKind::Jonswap) => {
             section.idle(&[&RELATIVE_WIDTH], "shape = \"jonswap\"");
             let peak_enhancement = section.number(&PEAK_ENHANCEMENT);
             peak_enhancement.map(|peak_enhancement| SwellShape::Jonswap { peak_enhancement })
         }
-        Some(_) => {
+        Some(SwellKind::Gaussian) => {
             section.idle(&[&PEAK_ENHANCEMENT], "shape = \"gaussian\"");
             let relative_width = section.number(&RELATIVE_WIDTH);
             relative_width.map(|relative_width| SwellShape::Gaussian { relative_width })

@@ -1,8 +1,9 @@
 //! The mesh by which a ship echoes, and how it rides the sea.
 
+use crate::config::choices::RideKind;
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
-use crate::scene::ship::{ShipMesh, ShipMotion, UpAxis};
+use crate::scene::ship::{ShipMesh, ShipMotion};
 
 /// The mesh by which a ship echoes.
 ///
@@ -24,7 +25,7 @@ pub(super) fn mesh(section: &Section<'_>, echo: Option<bool>, panel_m: &'static 
     if superstructure == Some(None) && echo != Some(false) && used != Some(false) {
         section.idle(&[&UP], "superstructure = \"none\"");
     }
-    let up = section.choice(&UP).map(|axis| if axis == "y" { UpAxis::Y } else { UpAxis::Z });
+    let up = section.choice(&UP);
     let freeboard_m = section.number(&FREEBOARD_M);
     let sound = freeboard_m.is_some() || !section.has(&FREEBOARD_M);
     let panel_m = match section.number(panel_m) {
@@ -47,7 +48,7 @@ pub(super) fn mesh(section: &Section<'_>, echo: Option<bool>, panel_m: &'static 
 fn motion(section: &Section<'_>, refused: bool) -> Option<ShipMotion> {
     use keys::ship::{MOTION, ROLL_PERIOD_S};
     let motion = section.choice(&MOTION)?;
-    if motion == "level" && !refused {
+    if motion == RideKind::Level && !refused {
         section.idle(&[&ROLL_PERIOD_S], "motion = \"level\"");
     }
     let roll_period_s = section.number(&ROLL_PERIOD_S);
@@ -55,7 +56,7 @@ fn motion(section: &Section<'_>, refused: bool) -> Option<ShipMotion> {
         return None;
     }
     Some(match motion {
-        "waves" => ShipMotion::Waves { roll_period_s, form: None },
-        _ => ShipMotion::Level,
+        RideKind::Waves => ShipMotion::Waves { roll_period_s, form: None },
+        RideKind::Level => ShipMotion::Level,
     })
 }

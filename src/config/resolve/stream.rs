@@ -3,15 +3,14 @@
 use std::path::PathBuf;
 
 use super::{Ground, Names, nav_out};
+use crate::config::choices::{EchoKind, PacerPriority, SinkKind};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys;
 use crate::config::section::Section;
-use crate::echo::synth::doppler::Doppler;
 use crate::echo::{Asked, Fidelity};
 use crate::scene::Radar;
-use crate::sinks::vita49::Profile;
+use crate::sinks;
 use crate::sinks::zmq::Messages;
-use crate::sinks::{self, OnFailure};
 use crate::transport::{self, Pace, Policy};
 
 /// Memory of the ring between generation and release.
@@ -43,12 +42,8 @@ pub(super) fn stream(
 ) -> Option<(transport::Settings, Option<String>)> {
     use keys::stream::{LATENCY_MS, LOCK_MEMORY, MONITOR, PACE, PACER_CORE, PACER_PRIORITY, POLICY, THREADS};
     let section = root.section_or_empty(&keys::root::STREAM)?;
-    let pace = section.choice(&PACE).map(|word| if word == "fast" { Pace::Fast } else { Pace::Realtime });
-    let policy = section.choice(&POLICY).map(|word| match word {
-        "slip" => Policy::Slip,
-        "drop" => Policy::Drop,
-        _ => Policy::Stop,
-    });
+    let pace = section.choice(&PACE);
+    let policy = section.choice(&POLICY);
     if live {
         let place = "beside live navigation";
         if pace == Some(Pace::Fast) {
@@ -62,7 +57,10 @@ pub(super) fn stream(
     let asked_ms = section.number(&LATENCY_MS);
     let latency_ms = if latency_given { asked_ms } else { Some(transport::DEFAULT_LATENCY_S * 1e3) };
     let threads = section.count(&THREADS);
-    let ahead = section.choice(&PACER_PRIORITY).map(|word| word == "realtime");
+    let pacer_ahead = section.choice(&PACER_PRIORITY).map(|priority| match priority {
+        PacerPriority::Realtime => true,
+        PacerPriority::Normal => false,
+    });
     let pacer_core = match section.has(&PACER_CORE) {
         true => section.count(&PACER_CORE).and_then(|core| usize::try_from(core).ok()).map(Some),
         false => Some(None),
@@ -89,7 +87,7 @@ pub(super) fn stream(
         // A block is what its echo makes of it.
         batch_pulses: 1,
         threads,
-        pacer_ahead: ahead?,
+        pacer_ahead: pacer_ahead?,
         pacer_core: pacer_core?,
         lock_memory: lock_memory?,
     };
@@ -106,11 +104,7 @@ pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
     let echo = section.choice(&ECHO);
     let error_db = section.number(&ERROR_DB);
     let width = section.count(&KERNEL_WIDTH);
-    let doppler = section.choice(&DOPPLER).map(|word| match word {
-        "mean" => Doppler::Mean,
-        "shift" => Doppler::Shift,
-        _ => Doppler::Taylor,
-    });
+    let doppler = section.choice(&DOPPLER);
     let asked = Asked {
         node_pulses: section.count(&NODE_PULSES),
         scatter_pulses: section.count(&SCATTER_PULSES),
@@ -121,20 +115,21 @@ pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
         doppler,
         ..Asked::default()
     };
-    // A wrong word has been reported; as the default it makes no further fault.
-    let fast = echo.is_none_or(|word| word == "fast");
     // Settings of the fast echo may stand beside "reference", so that one key switches a scenario; they do
     // nothing there.
     let written = keys::fidelity::TABLE.keys.iter().filter(|key| key.name != ECHO.name && section.has(key));
     let written: Vec<String> = written.map(|key| format!("fidelity.{}", key.name)).collect();
     section.finish();
-    if !fast {
-        if !written.is_empty() {
-            root.reader().warn(Warning::IdleSettings { keys: written.join(", ") });
+    // A wrong word has been reported; as the default it makes no further fault.
+    match echo {
+        Some(EchoKind::Reference) => {
+            if !written.is_empty() {
+                root.reader().warn(Warning::IdleSettings { keys: written.join(", ") });
+            }
+            Some(Fidelity::Reference)
         }
-        return Some(Fidelity::Reference);
+        Some(EchoKind::Fast) | None => Some(Fidelity::Fast(Asked { error_db: error_db?, ..asked })),
     }
-    Some(Fidelity::Fast(Asked { error_db: error_db?, ..asked }))
 }
 
 /// `[[sink]]`; `known` channels of calibration stand behind those of the radar.
@@ -187,37 +182,36 @@ fn sink(
         ADDRESS, BIND, KIND, MTU_BYTES, ON_FAILURE, PATH, PROFILE, QUEUE_PULSES as QUEUE, SEGMENT_S,
     };
     let kind = match section.choice(&KIND) {
-        Some("hdf5") => {
+        Some(SinkKind::Hdf5) => {
             let has_segments = section.has(&SEGMENT_S);
             let segment_s = section.number(&SEGMENT_S);
             let path = output(&section, taken);
             path.filter(|_| !has_segments || segment_s.is_some()).map(|path| hdf5(&section, path, segment_s))
         }
-        Some("nav") => nav_out::nav(&section, ground, platforms).map(sinks::Kind::Nav),
-        Some("crsd") => output(&section, taken).map(|path| sinks::Kind::Crsd { path, force: false }),
-        Some("plain") => output(&section, taken).map(|path| sinks::Kind::Plain { path, force: false }),
-        Some("vita49") => {
+        Some(SinkKind::Nav) => nav_out::nav(&section, ground, platforms).map(sinks::Kind::Nav),
+        Some(SinkKind::Crsd) => output(&section, taken).map(|path| sinks::Kind::Crsd { path, force: false }),
+        Some(SinkKind::Plain) => {
+            output(&section, taken).map(|path| sinks::Kind::Plain { path, force: false })
+        }
+        Some(SinkKind::Vita49) => {
             let (address, mtu_bytes) = (section.address(&ADDRESS), section.count(&MTU_BYTES));
             let bind = section.address(&BIND);
             let fine = bind.is_some() || !section.has(&BIND);
             let profile = section.choice(&PROFILE);
             address.zip(mtu_bytes).filter(|_| fine).and_then(|(address, mtu_bytes)| {
                 let mtu_bytes = usize::try_from(mtu_bytes).ok()?;
-                let profile = if profile? == "difi" { Profile::Difi } else { Profile::Nereus };
+                let profile = profile?;
                 Some(sinks::Kind::Vita49(sinks::vita49::Settings { address, bind, mtu_bytes, profile }))
             })
         }
-        Some("shm") => shm(&section, defaults).map(sinks::Kind::Shm),
-        Some("zmq") => zmq(&section, defaults).map(sinks::Kind::Zmq),
-        Some(_) => Some(sinks::Kind::Null),
+        Some(SinkKind::Shm) => shm(&section, defaults).map(sinks::Kind::Shm),
+        Some(SinkKind::Zmq) => zmq(&section, defaults).map(sinks::Kind::Zmq),
+        Some(SinkKind::Null) => Some(sinks::Kind::Null),
         None => None,
     };
     let asked_queue = section.count(&QUEUE);
     let queue = if section.has(&QUEUE) { asked_queue } else { defaults.map(|of| of.queue) };
-    let on_failure = section.choice(&ON_FAILURE).map(|word| match word {
-        "continue" => OnFailure::Continue,
-        _ => OnFailure::Stop,
-    });
+    let on_failure = section.choice(&ON_FAILURE);
     section.finish();
     let queue_pulses = usize::try_from(queue?).ok()?;
     return Some(sinks::Settings { kind: kind?, queue_pulses, on_failure: on_failure? });
@@ -248,10 +242,7 @@ fn zmq(section: &Section<'_>, defaults: Option<Defaults>) -> Option<sinks::zmq::
     use keys::sink::{BIND, MESSAGES};
     let asked = section.address(&BIND);
     let bind = if section.has(&BIND) { asked } else { Some("127.0.0.1:5555".to_owned()) };
-    let messages = section.choice(&MESSAGES).map(|word| match word {
-        "multipart" => Messages::Multipart,
-        _ => Messages::Samples,
-    });
+    let messages = section.choice(&MESSAGES);
     let buffer_pulses = buffer(section, defaults);
     let (bind, messages) = (bind?, messages?);
     let ports = if messages == Messages::Samples { defaults?.channels } else { 1 };

@@ -4,6 +4,7 @@ use num_complex::Complex64;
 
 use super::place::{self, SurfaceKeys};
 use super::{Ground, Names, plausible};
+use crate::config::choices::{Alignment, Waves};
 use crate::config::error::Problem;
 use crate::config::keys::{self, Key, MOST_FLOATING, MOST_TARGETS};
 use crate::config::section::Section;
@@ -17,7 +18,7 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
     let mut names = Names::new("target");
     let mut targets = Vec::new();
     let mut sound = true;
-    let choppy = root.has_word_in(&keys::root::SEA, &keys::sea::WAVES, "choppy");
+    let choppy = root.peek_choice_in(&keys::root::SEA, &keys::sea::WAVES) == Some(Waves::Choppy);
     for (index, section) in root.sections(&keys::root::TARGET).into_iter().enumerate() {
         names.take_or(&section, &keys::target::NAME, Some(format!("target-{index}")));
         match target(section, (root.has(&keys::root::SEA), choppy), names.last(), ground) {
@@ -182,7 +183,7 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
         let value = section.vector::<2>(key);
         if section.has(key) { value } else { Some([0.0, 0.0]) }
     });
-    let convention = if matrix { section.choice(&CONVENTION) } else { Some("fsa") };
+    let convention = if matrix { section.choice(&CONVENTION) } else { Some(Alignment::Forward) };
     let keys = "rcs_m2, rcs_dbsm, rcs_csv, (s_vv, s_vh, s_hv, s_hh)".to_owned();
     match written {
         0 => section.fault_here(Problem::NoneOf { keys }),
@@ -202,7 +203,10 @@ fn scattering(section: &Section<'_>) -> Option<[[Complex64; 2]; 2]> {
     let [vv, vh, hv, hh] = values;
     let complex = |[re, im]: [f64; 2]| Complex64::new(re, im);
     // The received h of the forward-scatter alignment is the opposite of the back-scatter one.
-    let sign = if convention? == "bsa" { -1.0 } else { 1.0 };
+    let sign = match convention? {
+        Alignment::Forward => 1.0,
+        Alignment::Back => -1.0,
+    };
     Some([[complex(vv?), complex(vh?)], [complex(hv?) * sign, complex(hh?) * sign]])
 }
 

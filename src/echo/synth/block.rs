@@ -1,7 +1,7 @@
 //! What a block of pulses holds of its scatterer paths.
 //!
-//! Over the `M <= 64` pulses of a block, with `m` counted from the middle pulse `M/2` (pulses equally
-//! spaced), a scatterer path has
+//! Over the `M` pulses of a block, with `m` the time from the middle pulse `M/2` in mean intervals, a
+//! scatterer path has
 //!
 //! | quantity | form | held as |
 //! | --- | --- | --- |
@@ -23,12 +23,15 @@ use num_complex::Complex64;
 use super::doppler::{self, Correction, Doppler};
 use super::grid::Lined;
 use super::scalar::Scalar;
-use super::spread::DelayPolynomials;
+use super::spread::{DelayPolynomials, Emitted, TICKS};
 use super::{Settings, Synth, SynthError};
+use crate::paths::block::SlowTime;
 use crate::paths::list::ScattererPaths;
 
 /// Most pulses of a block.
-pub const MAX_PULSES: usize = 64;
+pub const MAX_PULSES: usize = 1024;
+/// Pulses of a block for which there is room beforehand.
+const FEW_PULSES: usize = 64;
 /// Most nodes of a block.
 pub const MAX_NODES: usize = 4;
 /// Cells that a scatterer path may move within half a block.
@@ -70,18 +73,25 @@ pub struct Frame {
     pub(super) replicas: Vec<Vec<Complex64>>,
     /// `[pair]`: mean Doppler `f0 r`, Hz.
     pub(super) mean_hz: Vec<f64>,
+    /// When the pulses are.
+    pub slow: SlowTime,
+    /// Group of channels that each pulse fills; empty where every pulse fills all.
+    pub groups: Vec<u8>,
 }
 
 impl Clone for Frame {
     fn clone(&self) -> Self {
-        let Self { windows_s, replicas, mean_hz } = self;
-        Self { windows_s: windows_s.clone(), replicas: replicas.clone(), mean_hz: mean_hz.clone() }
+        let mut own = Self::default();
+        own.clone_from(self);
+        own
     }
 
     /// Without allocating where there is room: exact pulses copy a frame for each of them.
     fn clone_from(&mut self, from: &Self) {
-        let Self { windows_s, replicas, mean_hz } = from;
+        let Self { windows_s, replicas, mean_hz, slow, groups } = from;
         self.windows_s.clone_from(windows_s);
+        self.slow.clone_from(slow);
+        self.groups.clone_from(groups);
         self.replicas.clone_from(replicas);
         self.mean_hz.clone_from(mean_hz);
     }
@@ -108,8 +118,10 @@ pub struct BlockPaths<T: Scalar> {
     pub(super) powers: usize,
     /// `[pair]`: what multiplies the amplitudes, `[pulse][path]`; empty where nothing does.
     pub(super) factors: Vec<Vec<T>>,
-    /// Per pulse: how far the window's start moves all places, whole cells and the rest.
-    pub(super) shifts: Vec<(i32, T)>,
+    /// Of every pulse, those of a group together.
+    pub(super) emitted: Vec<Emitted<T>>,
+    /// Groups of its pulses; empty where every pulse fills all channels.
+    pub(super) groups: Vec<u8>,
     pub(super) fill: Fill,
 }
 
@@ -118,22 +130,24 @@ impl<T: Scalar> BlockPaths<T> {
         Self {
             start: 0,
             frame: Frame {
-                windows_s: Vec::with_capacity(MAX_PULSES),
+                windows_s: Vec::with_capacity(FEW_PULSES),
                 replicas: vec![Vec::new(); layers],
                 mean_hz: vec![0.0; pairs],
+                ..Frame::default()
             },
             polynomials: (0..pairs).map(|_| DelayPolynomials::default()).collect(),
             amplitude: (0..layers).map(|_| Vec::new()).collect(),
             powers: 2,
             factors: vec![Vec::new(); pairs],
-            shifts: Vec::with_capacity(MAX_PULSES),
+            emitted: Vec::with_capacity(FEW_PULSES),
+            groups: Vec::new(),
             fill: Fill::default(),
         }
     }
 
     /// Pulses of the block.
     pub fn pulses(&self) -> usize {
-        self.shifts.len()
+        self.emitted.len()
     }
 
     /// Scatterer paths, those of zero amplitude included.
@@ -168,11 +182,6 @@ impl<T: Scalar> BlockPaths<T> {
     /// What the last filling has found.
     pub fn found(&self) -> Fill {
         self.fill
-    }
-
-    /// Pulse from which `m` counts.
-    pub(super) fn middle(&self) -> i32 {
-        (self.pulses() / 2) as i32
     }
 }
 
@@ -253,7 +262,9 @@ impl<T: Scalar> Synth<T> {
         }
         self.fill_replicas(&mut block.frame);
         block.start = 0;
-        self.fill_paths(nodes, windows_s, block);
+        block.frame.slow.level();
+        block.frame.groups.clear();
+        self.fill_paths(nodes, windows_s, (&SlowTime::default(), &[]), block);
         Ok(())
     }
 
@@ -273,7 +284,8 @@ impl<T: Scalar> Synth<T> {
         self.check(nodes, windows_s)?;
         block.frame.mean_hz.clone_from(&frame.mean_hz);
         block.start = pulses.start;
-        self.fill_paths(nodes, windows_s, block);
+        let groups = frame.groups.get(pulses).unwrap_or_default();
+        self.fill_paths(nodes, windows_s, (&frame.slow, groups), block);
         Ok(())
     }
 
@@ -291,30 +303,55 @@ impl<T: Scalar> Synth<T> {
         }
     }
 
-    /// How far each window is from that of the middle pulse, which is returned.
-    pub(super) fn fill_shifts(&self, windows_s: &[f64], shifts: &mut Vec<(i32, T)>) -> f64 {
+    /// When pulses are, `time` from the instants from which phases and amplitudes count, and how far each
+    /// window is from that of the middle pulse, which is returned. Those of a group stand together.
+    pub(super) fn fill_emitted(
+        &self,
+        (windows_s, groups): (&[f64], &[u8]),
+        uneven: bool,
+        time: impl Fn(usize) -> [f64; 2],
+        emitted: &mut Vec<Emitted<T>>,
+    ) -> f64 {
         let reference_s = windows_s[windows_s.len() / 2];
-        shifts.clear();
-        shifts.extend(windows_s.iter().map(|start_s| {
+        emitted.clear();
+        emitted.extend(windows_s.iter().enumerate().map(|(row, start_s)| {
             let cells = ((reference_s - start_s) * self.cells_per_s).clamp(-FAR_CELLS, FAR_CELLS);
             let whole = cells.round();
-            (whole as i32, T::round_from(cells - whole))
+            let shift = (whole as i32, T::round_from(cells - whole));
+            let [time, amplitude_time] = time(row);
+            Emitted::new(shift, time, amplitude_time, (row, uneven))
         }));
+        if !groups.is_empty() {
+            emitted.sort_unstable_by_key(|own| (groups.get(own.row), own.row));
+        }
         reference_s
     }
 
-    fn fill_paths(&self, nodes: &[Node<'_>], windows_s: &[f64], block: &mut BlockPaths<T>) {
-        let middle = (windows_s.len() / 2) as f64;
-        let reference_s = self.fill_shifts(windows_s, &mut block.shifts);
+    fn fill_paths(
+        &self,
+        nodes: &[Node<'_>],
+        windows_s: &[f64],
+        (slow, groups): (&SlowTime, &[u8]),
+        block: &mut BlockPaths<T>,
+    ) {
+        let (start, uneven) = (block.start, !slow.uneven().is_empty());
+        let middle = slow.at(start + windows_s.len() / 2);
+        let time = |row: usize| [slow.at(start + row) - middle; 2];
+        block.groups.clear();
+        block.groups.extend_from_slice(groups);
+        let reference_s = self.fill_emitted((windows_s, groups), uneven, time, &mut block.emitted);
         let mut places = [0.0; MAX_NODES];
         for (place, node) in places.iter_mut().zip(nodes) {
-            *place = node.pulse as f64 - middle;
+            *place = slow.at(start + node.pulse) - middle;
         }
         let through = Through::new(&places[..nodes.len()]);
         block.fill = Fill::default();
         block.factors.iter_mut().for_each(Vec::clear);
+        // How far the polynomials reach, intervals.
+        let reach = [0, windows_s.len() - 1].map(|row| time(row)[0].abs());
+        let reach = reach.into_iter().fold(0.5 * FEW_PULSES as f64, f64::max);
         for pair in 0..self.pairs {
-            self.fill_pair(nodes, &through, reference_s, pair, block);
+            self.fill_pair(nodes, &through, (reference_s, reach, uneven), pair, block);
         }
     }
 
@@ -375,7 +412,7 @@ impl<T: Scalar> Synth<T> {
         &self,
         nodes: &[Node<'_>],
         through: &Through,
-        reference_s: f64,
+        (reference_s, reach, uneven): (f64, f64, bool),
         pair: usize,
         block: &mut BlockPaths<T>,
     ) {
@@ -385,6 +422,8 @@ impl<T: Scalar> Synth<T> {
         let polynomials = &mut block.polynomials[pair];
         polynomials.phase.iter_mut().for_each(|p| p.resize(paths, T::Turns::default()));
         polynomials.phase_cubic.resize(paths, T::default());
+        let room = if uneven { paths } else { 0 };
+        polynomials.uneven.iter_mut().for_each(|p| p.resize(room, T::default()));
         polynomials.base.resize(paths, 0);
         polynomials.place.iter_mut().for_each(|p| p.resize(paths, T::default()));
         let powers = if nodes.len() <= 2 { 2 } else { 4 };
@@ -419,8 +458,7 @@ impl<T: Scalar> Synth<T> {
                 drift = drift.max((cells - held).abs());
             }
             // The polynomial at either end of the block.
-            let end = MAX_PULSES as f64 / 2.0;
-            placed &= place[1..].iter().rev().fold(0.0, |s, c| (s + c.abs()) * end) < MAX_DRIFT_CELLS;
+            placed &= place[1..].iter().rev().fold(0.0, |s, c| (s + c.abs()) * reach) < MAX_DRIFT_CELLS;
             // Farther than any window: not received, and nothing is lost.
             let far = placed && (place[0] - held).abs() > 0.5;
             placed &= !far;
@@ -439,9 +477,15 @@ impl<T: Scalar> Synth<T> {
             let largest = residual.iter().take(nodes.len()).fold(0.0f64, |a, r| a.max(r.abs()));
             block.fill.residual_hz = block.fill.residual_hz.max(largest);
             block.fill.drift_cells = block.fill.drift_cells.max(drift);
-            let phase = through.coefficients(&turns);
+            let mut phase = through.coefficients(&turns);
             place[0] -= held;
             let polynomials = &mut block.polynomials[pair];
+            if uneven {
+                for (to, value) in polynomials.uneven.iter_mut().zip(&phase[1..]) {
+                    to[n] = T::round_from(*value);
+                }
+                phase[1] /= TICKS;
+            }
             for (to, value) in polynomials.phase.iter_mut().zip(phase) {
                 to[n] = T::turns(value);
             }

@@ -6,7 +6,7 @@
 //! without a branch), and `width` more take what lies outside the window and is never read.
 //!
 //! Pulses do not share cells, so threads may each take a share of the pulses: no sum depends on how many
-//! there are.
+//! there are. Where polarisations alternate, pulses that fill the same channels stand together.
 
 use num_complex::Complex;
 
@@ -72,6 +72,11 @@ impl Shape {
         ((self.outside() + self.width + 1) * self.lanes[layer]).next_multiple_of(LINE / size_of::<f32>())
     }
 
+    /// Numbers of a pulse before a layer.
+    pub fn offset(&self, layer: usize) -> usize {
+        (0..layer).map(|before| self.layer_len(before)).sum()
+    }
+
     /// Numbers of a pulse.
     pub fn pulse_len(&self) -> usize {
         (0..self.lanes.len()).map(|layer| self.layer_len(layer)).sum()
@@ -83,6 +88,8 @@ impl Shape {
 pub struct Grids<T> {
     pub(super) shape: Shape,
     cells: Lined<T>,
+    /// Place of the grids of each pulse; empty where they stand in the order of the pulses.
+    places: Vec<usize>,
 }
 
 /// The grids of some neighbouring pulses of a block, for one thread.
@@ -96,12 +103,21 @@ pub struct Share<'a, T> {
 
 impl<T: Scalar> Grids<T> {
     pub(super) fn new(shape: Shape) -> Self {
-        Self { shape, cells: Lined::default() }
+        Self { shape, cells: Lined::default(), places: Vec::new() }
     }
 
-    /// Empties the grids and makes room for `pulses`.
-    pub(super) fn reset(&mut self, pulses: usize) {
+    /// Empties the grids and makes room for `pulses`, of some groups if any.
+    pub(super) fn reset(&mut self, pulses: usize, groups: &[u8]) {
         self.cells.reset(pulses * self.shape.pulse_len());
+        self.places.clear();
+        self.places.extend(groups.iter().enumerate().map(|(n, own)| {
+            let before = |(m, other): &(usize, &u8)| (*other, *m) < (own, n);
+            groups.iter().enumerate().filter(before).count()
+        }));
+    }
+
+    fn place(&self, pulse: usize) -> usize {
+        self.places.get(pulse).copied().unwrap_or(pulse)
     }
 
     /// Splits the pulses in `count` shares of equal size (the last may be smaller; there may be fewer).
@@ -113,13 +129,13 @@ impl<T: Scalar> Grids<T> {
         chunks.enumerate().map(move |(i, cells)| Share { first: i * each, pulse_len, cells })
     }
 
-    /// The grids of some pulses.
-    pub(super) fn share(&mut self, first: usize, pulses: usize) -> Share<'_, T> {
+    /// The grids of so many pulses that stand together, from one on.
+    pub(super) fn from(&mut self, pulse: usize, pulses: usize) -> &mut [T] {
         let pulse_len = self.shape.pulse_len();
+        let from = self.place(pulse) * pulse_len;
         let cells = self.cells.as_mut_slice();
-        let from = (first * pulse_len).min(cells.len());
         let to = (from + pulses * pulse_len).min(cells.len());
-        Share { first, pulse_len, cells: &mut cells[from..to] }
+        &mut cells[from.min(to)..to]
     }
 
     /// The grid of one channel, the edges folded, `period` cells.
@@ -127,7 +143,7 @@ impl<T: Scalar> Grids<T> {
         let shape = &self.shape;
         let lanes = shape.lanes[layer];
         let before: usize = (0..layer).map(|l| shape.layer_len(l)).sum();
-        let from = pulse * shape.pulse_len() + before;
+        let from = self.place(pulse) * shape.pulse_len() + before;
         let cells = &self.cells.as_slice()[from..][..(shape.period + shape.width) * lanes];
         out.fill(Complex::new(T::default(), T::default()));
         let value = |cell: &[T]| Complex::new(cell[2 * channel], cell[2 * channel + 1]);

@@ -15,25 +15,31 @@
 
 use std::ops::Range;
 
-use super::Synth;
 use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
 use super::grid::{Grids, Lined};
-use super::spread::{DelayPolynomials, Job};
+use super::profiles::{Rows, intervals_of};
+use super::spread::{DelayPolynomials, Emitted, Job, TICKS};
+use super::{Synth, of_group};
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
 use crate::paths::block::{Instants, Pair, TURNED_LANES, Tile};
 
+/// Most pulses that are spread with one set of polynomials: their grids stay in the cache.
+pub(super) const TOGETHER: usize = 64;
+
 /// Room to work; one per thread.
 #[derive(Debug, Default)]
 pub struct LaneWork {
-    polynomials: DelayPolynomials<f32>,
+    pub(super) polynomials: DelayPolynomials<f32>,
     /// `[layer][epoch]`: amplitudes of layers of moments, `[path][lane]`.
     moments: Vec<Vec<Lined<f32>>>,
     /// `[layer][power]`, each `[path][lane]`.
-    amplitude: Vec<[Lined<f32>; MAX_NODES]>,
-    shifts: Vec<(i32, f32)>,
+    pub(super) amplitude: Vec<[Lined<f32>; MAX_NODES]>,
+    pub(super) emitted: Vec<Emitted<f32>>,
     /// Powers of the amplitudes at hand, 2 or 4.
-    powers: usize,
+    pub(super) powers: usize,
+    /// Of a tile that was evaluated at supports alone.
+    pub(super) rows: Rows,
 }
 
 /// A quantity at both ends of an interval.
@@ -50,7 +56,7 @@ impl Synth<f32> {
         fn reserve<T>(column: &mut Vec<T>, room: usize) {
             column.reserve(room.saturating_sub(column.len()));
         }
-        let LaneWork { polynomials, moments, amplitude, shifts, .. } = work;
+        let LaneWork { polynomials, moments, amplitude, emitted, .. } = work;
         moments.resize_with(self.layers.len(), Vec::new);
         amplitude.resize_with(self.layers.len(), Default::default);
         for ((layer, moments), powers) in self.layers.iter().zip(moments).zip(amplitude) {
@@ -61,7 +67,7 @@ impl Synth<f32> {
         polynomials.place.iter_mut().for_each(|column| reserve(column, LANES));
         reserve(&mut polynomials.phase_cubic, LANES);
         reserve(&mut polynomials.base, LANES);
-        reserve(shifts, pulses);
+        reserve(emitted, pulses);
     }
 
     /// Spreads a tile on the grids of its block. The work has room for it ([`Synth::make_room`]).
@@ -83,27 +89,33 @@ impl Synth<f32> {
         if node_count == 0 || tile.count == 0 {
             return;
         }
+        if let Some(supports) = tile.supports() {
+            return self.spread_profiles(tile, pair, supports, frame, work, grids);
+        }
         let pulses = frame.pulses();
         self.fill_moments(tile, pair, frame.mean_hz[pair], work);
         let mut at = None;
-        let intervals = node_count.saturating_sub(1).max(1);
-        for interval in 0..intervals {
-            let from = if interval == 0 { 0 } else { nodes[interval] };
-            let to = if interval + 1 == intervals { pulses } else { nodes[interval + 1] };
+        for interval in 0..node_count.saturating_sub(1).max(1) {
+            let Range { start: from, end: to } = intervals_of(&nodes[..node_count], interval, pulses);
             if from < to {
                 let epochs = tile.instants.epochs_between(interval);
                 if at != Some(epochs.start) {
                     at = Some(epochs.start);
-                    self.amplitudes_through(tile, pair, epochs, (pulses / 2) as f64, work);
+                    self.amplitudes_through(tile, pair, epochs, tile.slow.at(pulses / 2), work);
                 }
-                self.spread_interval(tile, pair, interval, from..to, frame, work, grids);
+                // As many together as stay in the cache with what they are spread on.
+                let parts = (to - from).div_ceil(TOGETHER);
+                for part in 0..parts {
+                    let [a, b] = [part, part + 1].map(|n| from + n * (to - from) / parts);
+                    self.spread_interval(tile, pair, interval, a..b, frame, work, grids);
+                }
             }
         }
     }
 
     /// Amplitudes times Doppler off the mean over the length of a pulse, at every scattering epoch: for the
     /// layers of [`Doppler::Taylor`](super::doppler::Doppler::Taylor).
-    fn fill_moments(&self, tile: &Tile, pair: usize, mean_hz: f64, work: &mut LaneWork) {
+    pub(super) fn fill_moments(&self, tile: &Tile, pair: usize, mean_hz: f64, work: &mut LaneWork) {
         let of_pair = &tile.pairs[pair];
         for (layer, moments) in self.layers.iter().zip(&mut work.moments) {
             if layer.pair != pair || !layer.moment {
@@ -130,7 +142,7 @@ impl Synth<f32> {
     }
 
     /// Polynomials of the amplitudes through some scattering epochs.
-    fn amplitudes_through(
+    pub(super) fn amplitudes_through(
         &self,
         tile: &Tile,
         pair: usize,
@@ -140,7 +152,7 @@ impl Synth<f32> {
     ) {
         let mut places = [0.0; MAX_NODES];
         for (place, pulse) in places.iter_mut().zip(&tile.instants.epochs[epochs.clone()]) {
-            *place = *pulse as f64 - middle;
+            *place = tile.slow.at(*pulse) - middle;
         }
         let through = Through::new(&places[..epochs.len()]);
         work.powers = if epochs.len() <= 2 { 2 } else { MAX_NODES };
@@ -164,29 +176,28 @@ impl Synth<f32> {
         }
     }
 
-    /// Spreads a tile on the grids of the pulses from one node to the next.
-    fn spread_interval(
+    /// Phase and place of a tile from a node to the next, counted from `middle` (intervals), by a window that
+    /// opens at `reference_s`.
+    pub(super) fn polynomials_between(
         &self,
         tile: &Tile,
         pair: usize,
         interval: usize,
-        pulses: Range<usize>,
+        (middle, reference_s): (f64, f64),
         frame: &Frame,
-        work: &mut LaneWork,
-        grids: &mut Grids<f32>,
+        polynomials: &mut DelayPolynomials<f32>,
     ) {
-        let LaneWork { polynomials, amplitude, shifts, powers: in_use, .. } = work;
-        let reference_s = self.fill_shifts(&frame.windows_s[pulses.clone()], shifts);
-        let Pair { factor, turned, .. } = &tile.pairs[pair];
+        let (slow, uneven) = (&tile.slow, !tile.slow.uneven().is_empty());
         let nodes = tile.pairs[pair].nodes();
         let [first, second] = [interval, (interval + 1).min(nodes.len() - 1)].map(|node| &nodes[node].paths);
         let (count, at_node) = (tile.count, tile.instants.nodes);
         polynomials.phase.iter_mut().for_each(|p| p.resize(count, 0));
         polynomials.phase_cubic.resize(count, 0.0);
+        polynomials.uneven.iter_mut().for_each(|p| p.resize(if uneven { count } else { 0 }, 0.0));
         polynomials.base.resize(count, 0);
         polynomials.place.iter_mut().for_each(|p| p.resize(count, 0.0));
-        let middle = pulses.start + pulses.len() / 2;
-        let length = if nodes.len() == 1 { 0 } else { at_node[interval + 1] - at_node[interval] };
+        let first_node = slow.at(at_node[interval]);
+        let length = if nodes.len() == 1 { 0.0 } else { slow.at(at_node[interval + 1]) - first_node };
         let correction = self.correction();
         let [shifted, moved] = correction.delays();
         let task = Polynomials {
@@ -202,36 +213,59 @@ impl Synth<f32> {
             before_s: self.lead_s - reference_s,
             cells_per_s: self.cells_per_s,
             interval_s: tile.interval_s,
-            length: length as f64,
-            middle: middle as f64 - at_node[interval] as f64,
+            length,
+            middle: middle - first_node,
             count,
-            polynomials: &mut *polynomials,
+            polynomials,
         };
         self.variant.run(task);
-        let share = grids.share(pulses.start, pulses.len());
-        let mut offset = 0;
-        for (index, layer) in self.layers.iter().enumerate() {
-            if layer.pair == pair {
-                let powers = amplitude[index].each_ref().map(|power| power.as_slice());
-                let job = Job {
-                    polynomials,
-                    amplitude: &powers[..*in_use],
-                    shifts,
-                    first: pulses.start as i32 - middle as i32,
-                    amplitude_first: pulses.start as i32 - (frame.pulses() / 2) as i32,
-                    factors: factor[pulses.clone()].as_flattened(),
-                    turned: turned.get(pulses.clone()).unwrap_or_default().as_flattened().as_flattened(),
-                    factor_stride: LANES,
-                    turned_stride: TURNED_LANES,
-                    coefficients: &self.coefficients,
-                    last_cell: self.last_cell,
-                    outside: self.shape.outside() as i32,
-                    stride: share.pulse_len,
-                    offset,
-                };
-                (self.bodies[index])(&job, share.cells);
-            }
-            offset += self.shape.layer_len(index);
+    }
+
+    /// Spreads a tile on the grids of the pulses from one node to the next.
+    fn spread_interval(
+        &self,
+        tile: &Tile,
+        pair: usize,
+        interval: usize,
+        pulses: Range<usize>,
+        frame: &Frame,
+        work: &mut LaneWork,
+        grids: &mut Grids<f32>,
+    ) {
+        let LaneWork { polynomials, amplitude, emitted, powers: in_use, .. } = work;
+        let (slow, uneven) = (&tile.slow, !tile.slow.uneven().is_empty());
+        let middle = slow.at(pulses.start + pulses.len() / 2);
+        let middles = [middle, slow.at(frame.pulses() / 2)];
+        let groups = frame.groups.get(pulses.clone()).unwrap_or_default();
+        let reference_s = self.fill_emitted(
+            (&frame.windows_s[pulses.clone()], groups),
+            uneven,
+            |row| middles.map(|middle| slow.at(pulses.start + row) - middle),
+            emitted,
+        );
+        self.polynomials_between(tile, pair, interval, (middle, reference_s), frame, polynomials);
+        let Pair { factor, turned, .. } = &tile.pairs[pair];
+        let stride = grids.shape.pulse_len();
+        for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair) {
+            let own = of_group(emitted, groups, layer.group);
+            let Some(head) = own.first() else { continue };
+            let powers = amplitude[index].each_ref().map(|power| power.as_slice());
+            let job = Job {
+                polynomials,
+                amplitude: &powers[..*in_use],
+                pulses: own,
+                factors: factor[pulses.clone()].as_flattened(),
+                turned: turned.get(pulses.clone()).unwrap_or_default().as_flattened().as_flattened(),
+                factor_stride: LANES,
+                turned_stride: TURNED_LANES,
+                coefficients: &self.coefficients,
+                last_cell: self.last_cell,
+                outside: self.shape.outside() as i32,
+                stride,
+                offset: self.shape.offset(index),
+            };
+            let cells = grids.from(pulses.start + head.row, own.len());
+            (self.bodies[index])(&job, cells);
         }
     }
 }
@@ -310,9 +344,9 @@ struct Polynomials<'a> {
     before_s: f64,
     cells_per_s: f64,
     interval_s: f64,
-    /// Pulses between the nodes; 0 for a single one.
+    /// Intervals between the nodes; 0 for a single one.
     length: f64,
-    /// Pulses from the first node to that from which `m` counts.
+    /// Intervals from the first node to where `m` counts from.
     middle: f64,
     count: usize,
     polynomials: &'a mut DelayPolynomials<f32>,
@@ -340,7 +374,10 @@ impl Task for Polynomials<'_> {
         let span_s = length * interval_s;
         // From powers of s to powers of m: s = (m + middle) / length.
         let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
+        let uneven = !polynomials.uneven[0].is_empty();
+        let per_tick = if uneven { 1.0 / TICKS } else { 1.0 };
         let (mut phase, mut cubic) = ([[0u32; LANES]; 3], [0.0f32; LANES]);
+        let mut powers = [[0.0f32; LANES]; 2];
         let (mut base, mut place) = ([0i32; LANES], [[0.0f32; LANES]; 4]);
         for i in 0..lanes_for(count) {
             let (mut delays, mut extra) = ([0.0; 2], [0.0; 2]);
@@ -371,8 +408,12 @@ impl Task for Polynomials<'_> {
             let more_s = (delays[1] - delays[0]) * inverse;
             let constant = extra[0] + middle * more_turns - carrier_hz * b0;
             phase[0][i] = turns(constant - carrier_hz * d0[i]);
-            phase[1][i] = turns(more_turns - carrier_hz * b1);
+            phase[1][i] = turns((more_turns - carrier_hz * b1) * per_tick);
             phase[2][i] = turns(-carrier_hz * b2);
+            if uneven {
+                powers[0][i] = (more_turns - carrier_hz * b1) as f32;
+                powers[1][i] = (-carrier_hz * b2) as f32;
+            }
             cubic[i] = (-carrier_hz * c3) as f32;
             let at_s = d0[i] + b0 + delays[0] + middle * more_s + self.before_s;
             let cells = at_s * self.cells_per_s + 0.5;
@@ -388,6 +429,11 @@ impl Task for Polynomials<'_> {
         }
         for (to, from) in polynomials.phase.iter_mut().zip(&phase) {
             to.copy_from_slice(&from[..count]);
+        }
+        if uneven {
+            for (to, from) in polynomials.uneven.iter_mut().zip(&powers) {
+                to.copy_from_slice(&from[..count]);
+            }
         }
         polynomials.phase_cubic.copy_from_slice(&cubic[..count]);
         polynomials.base.copy_from_slice(&base[..count]);

@@ -38,8 +38,7 @@
 //!
 //! # Limits
 //!
-//! Pulses of a block are equally spaced (a PRI sequence takes blocks of one pulse). `S` in `f32` has a floor
-//! of rounding, about -120 dB ([`Synth::predicted_error`]).
+//! `S` in `f32` has a floor of rounding, about -120 dB ([`Synth::predicted_error`]).
 //!
 //! ```
 //! use std::sync::Arc;
@@ -75,6 +74,7 @@ pub mod kernel;
 mod grid;
 pub mod lanes;
 mod prediction;
+mod profiles;
 mod scalar;
 mod spread;
 mod variant;
@@ -88,9 +88,9 @@ use thiserror::Error;
 use self::block::{BlockPaths, Frame};
 use self::doppler::{Doppler, Envelope};
 use self::kernel::{Kernel, MAX_TERMS};
-use self::spread::Job;
+use self::spread::{Emitted, Job};
 use super::reference::{GUARD_SAMPLES, fast_len};
-use crate::paths::block::{CHANNELS_PER_LAYER, lanes_of};
+use crate::paths::block::{lanes_of, layers_of};
 use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
@@ -223,6 +223,8 @@ struct Layer {
     /// Place among the layers of the pair's tiles.
     of_pair: usize,
     channels: Vec<usize>,
+    /// Group of the pulses that fill it.
+    group: u8,
     /// 2, 4 or 8.
     lanes: usize,
     /// Whether it holds the second term of [`Doppler::Taylor`].
@@ -308,7 +310,8 @@ impl<T: Scalar> Synth<T> {
         let reach_s = lead_s + (window_samples + GUARD_SAMPLES) as f64 / sample_rate_hz;
         let last_cell = ((reach_s * cells_per_s).ceil() as usize).min(period - 1) as i32;
         let pairs = channel_pairs.iter().map(|p| p + 1).max().unwrap_or(0);
-        let layers = layers(channel_pairs, pairs, Self::has_moments(settings.doppler));
+        let groups = vec![0; channel_pairs.len()];
+        let layers = layers(channel_pairs, &groups, pairs, Self::has_moments(settings.doppler));
         let shape = grid::Shape {
             period,
             width: settings.width,
@@ -357,6 +360,20 @@ impl<T: Scalar> Synth<T> {
         })
     }
 
+    /// The same for channels of some groups: where a pulse fills one group alone, only that is spread.
+    pub fn grouped(mut self, groups: &[u8]) -> Self {
+        let mut channel_pairs = vec![0; self.channels];
+        for layer in &self.layers {
+            layer.channels.iter().for_each(|channel| channel_pairs[*channel] = layer.pair);
+        }
+        let moments = Self::has_moments(self.settings.doppler);
+        self.layers = layers(&channel_pairs, groups, self.pairs, moments);
+        self.shape.lanes = self.layers.iter().map(|layer| layer.lanes).collect();
+        let (variant, width) = (self.variant, self.settings.width);
+        self.bodies = self.layers.iter().map(|layer| T::body(variant, width, layer.lanes)).collect();
+        self
+    }
+
     /// Length N of the spectra, bins: that of the reference echo.
     pub fn fft_len(&self) -> usize {
         self.fft_len
@@ -396,50 +413,62 @@ impl<T: Scalar> Synth<T> {
 
     /// Makes room in `grids` for a block, and empties them.
     pub fn clear(&self, block: &BlockPaths<T>, grids: &mut Grids<T>) {
-        grids.reset(block.pulses());
+        grids.reset(block.pulses(), &[]);
     }
 
-    /// Empties `grids` and makes room for so many pulses.
-    pub fn clear_for(&self, pulses: usize, grids: &mut Grids<T>) {
-        grids.reset(pulses);
+    /// Empties `grids` and makes room for the pulses of a block.
+    pub fn clear_for(&self, frame: &Frame, grids: &mut Grids<T>) {
+        grids.reset(frame.pulses(), &frame.groups);
     }
 
     /// Adds the scatterer paths of a block that was filled as a part ([`Synth::fill_part`]) to the grids of
     /// its pulses.
     pub fn spread_part(&self, block: &BlockPaths<T>, grids: &mut Grids<T>) {
-        let mut share = grids.share(block.start, block.pulses());
-        share.first = 0;
-        self.spread_share(block, &mut share);
+        let stride = grids.shape.pulse_len();
+        for index in 0..self.layers.len() {
+            let emitted = of_group(&block.emitted, &block.groups, self.layers[index].group);
+            if let Some(first) = emitted.first() {
+                let cells = grids.from(block.start + first.row, emitted.len());
+                self.spread_layer(block, index, emitted, stride, cells);
+            }
+        }
     }
 
     /// Adds all scatterer paths of a block to the grids of some of its pulses.
     pub fn spread_share(&self, block: &BlockPaths<T>, share: &mut Share<'_, T>) {
         let pulses = share.cells.len() / share.pulse_len;
-        let Some(shifts) = block.shifts.get(share.first..share.first + pulses) else { return };
-        let mut offset = 0;
-        for (index, layer) in self.layers.iter().enumerate() {
-            let powers: [&[T]; 4] = std::array::from_fn(|power| {
-                block.amplitude[index].get(power).map_or(&[][..], |a| a.as_slice())
-            });
-            let job = Job {
-                polynomials: &block.polynomials[layer.pair],
-                amplitude: &powers[..block.powers],
-                shifts,
-                first: share.first as i32 - block.middle(),
-                amplitude_first: share.first as i32 - block.middle(),
-                factors: block.factors[layer.pair].get(share.first * block.len()..).unwrap_or_default(),
-                turned: &[],
-                turned_stride: 0,
-                factor_stride: block.len(),
-                coefficients: &self.coefficients,
-                last_cell: self.last_cell,
-                outside: self.shape.outside() as i32,
-                stride: share.pulse_len,
-                offset,
-            };
-            (self.bodies[index])(&job, share.cells);
-            offset += self.shape.layer_len(index);
+        let Some(emitted) = block.emitted.get(share.first..share.first + pulses) else { return };
+        for index in 0..self.layers.len() {
+            self.spread_layer(block, index, emitted, share.pulse_len, share.cells);
         }
+    }
+
+    fn spread_layer(
+        &self,
+        block: &BlockPaths<T>,
+        index: usize,
+        pulses: &[Emitted<T>],
+        stride: usize,
+        cells: &mut [T],
+    ) {
+        let pair = self.layers[index].pair;
+        let powers: [&[T]; 4] =
+            std::array::from_fn(|power| block.amplitude[index].get(power).map_or(&[][..], |a| a.as_slice()));
+        let job = Job {
+            polynomials: &block.polynomials[pair],
+            amplitude: &powers[..block.powers],
+            pulses,
+            factors: &block.factors[pair],
+            turned: &[],
+            turned_stride: 0,
+            factor_stride: block.len(),
+            coefficients: &self.coefficients,
+            last_cell: self.last_cell,
+            outside: self.shape.outside() as i32,
+            stride,
+            offset: self.shape.offset(index),
+        };
+        (self.bodies[index])(&job, cells);
     }
 
     /// `S[k]` of every channel of one pulse, `[channel][bin]`, overwritten; `sqrt(W) s`.
@@ -464,7 +493,9 @@ impl<T: Scalar> Synth<T> {
         out: &mut [Complex64],
     ) {
         out.fill(Complex64::ZERO);
-        for (index, layer) in self.layers.iter().enumerate() {
+        let group = frame.groups.get(pulse);
+        let filled = |layer: &Layer| group.is_none_or(|group| *group == layer.group);
+        for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| filled(layer)) {
             for (at, channel) in layer.channels.iter().enumerate() {
                 grids.fold(pulse, index, at, &mut scratch.cells);
                 self.transform.process_with_scratch(&mut scratch.cells, &mut scratch.transform);
@@ -478,16 +509,29 @@ impl<T: Scalar> Synth<T> {
     }
 }
 
-/// Channels by pair, four together.
-fn layers(channel_pairs: &[usize], pairs: usize, moments: bool) -> Vec<Layer> {
+/// The pulses of a group, which stand together; all where there are no groups.
+fn of_group<'a, T>(emitted: &'a [Emitted<T>], groups: &[u8], group: u8) -> &'a [Emitted<T>] {
+    if groups.is_empty() {
+        return emitted;
+    }
+    let of = |own: &Emitted<T>| groups.get(own.row).copied().unwrap_or_default();
+    let (from, to) =
+        (emitted.partition_point(|own| of(own) < group), emitted.partition_point(|own| of(own) <= group));
+    &emitted[from..to]
+}
+
+/// Channels by pair and group, four together.
+fn layers(channel_pairs: &[usize], groups: &[u8], pairs: usize, moments: bool) -> Vec<Layer> {
     let mut layers = Vec::new();
     for pair in 0..pairs {
         let channels: Vec<usize> = (0..channel_pairs.len()).filter(|c| channel_pairs[*c] == pair).collect();
-        for (of_pair, channels) in channels.chunks(CHANNELS_PER_LAYER).enumerate() {
-            let lanes = lanes_of(channels.len());
+        let own: Vec<u8> = channels.iter().map(|channel| groups[*channel]).collect();
+        for (of_pair, places) in layers_of(&own).into_iter().enumerate() {
+            let (lanes, group) = (lanes_of(places.len()), own[places[0]]);
+            let channels: Vec<usize> = places.iter().map(|place| channels[*place]).collect();
             for moment in [false, true] {
                 if moments || !moment {
-                    layers.push(Layer { pair, of_pair, channels: channels.to_vec(), lanes, moment });
+                    layers.push(Layer { pair, of_pair, channels: channels.clone(), group, lanes, moment });
                 }
             }
         }

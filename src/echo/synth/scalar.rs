@@ -10,6 +10,11 @@
 //! | `f32` | u32 fractions of a turn (`2^-32`), so whole turns vanish and products with `m`, `m^2` are exact modulo 1 | float | `2^-33 (1 + 32 + 1024)` turn `= 7.7e-7` rad, and `2^-24 abs(phi3 m^3)` turn |
 //! | `f64` | fractions within half a turn | float | `2^-53 x 530` turn |
 //!
+//! Where intervals differ `m` is no whole number. It is cut into whole **ticks**, of which an interval has
+//! 256, and what is left: `phi1` times the ticks is exact modulo 1, `phi1` times the rest is below
+//! `phi1/512`, and the powers above are floats: rounded to `2^-24` of the turns that they add at the end of
+//! an interval between nodes, of which there are few.
+//!
 //! Phasor of `t` in `[-1/2, 1/2]` turn in f32: `s = sin(pi t)`, `c = cos(pi t)` by minimax polynomials in
 //! `t^2` (errors 6.6e-9 and 4.7e-8), then `cos(2 pi t) = 1 - 2 s^2`, `sin(2 pi t) = 2 s c`. In f64:
 //! [`phasor`].
@@ -55,12 +60,12 @@ pub trait Scalar: nereus_fft::Precision + Default + Into<f64> + sealed::Sealed {
     type Turns: Copy + Default + std::fmt::Debug + Send + Sync;
     /// Rounded from f64.
     fn round_from(value: f64) -> Self;
-    /// Rounded from an integer.
-    fn from_int(value: i32) -> Self;
     /// The fraction of a phase, turns.
     fn turns(value: f64) -> Self::Turns;
     /// `phi(m)`, in `[-1/2, 1/2]`.
     fn phase(phi: [Self::Turns; 3], cubic: Self, m: i32) -> Self;
+    /// `phi0 + phi1 ticks + high`, in `[-1/2, 1/2]`.
+    fn uneven_phase(phi0: Self::Turns, phi1: Self::Turns, ticks: i32, high: Self) -> Self;
     /// `a b + c`, rounded once if `FUSED`.
     fn fma<const FUSED: bool>(a: Self, b: Self, c: Self) -> Self;
     /// `(cos, sin)(2 pi t)` of `t` in `[-1/2, 1/2]`.
@@ -79,11 +84,6 @@ impl Scalar for f32 {
     }
 
     #[inline(always)]
-    fn from_int(value: i32) -> Self {
-        value as f32
-    }
-
-    #[inline(always)]
     fn turns(value: f64) -> u32 {
         // 2^32 itself wraps to 0.
         ((value - value.floor()) * 4_294_967_296.0).round() as u64 as u32
@@ -97,6 +97,13 @@ impl Scalar for f32 {
             .wrapping_add(phi[2].wrapping_mul(m1.wrapping_mul(m1)));
         let m = m as f32;
         let t = (exact as i32) as f32 * (1.0 / 4_294_967_296.0) + cubic * (m * m * m);
+        t - ((t + TO_INTEGER_F32) - TO_INTEGER_F32)
+    }
+
+    #[inline(always)]
+    fn uneven_phase(phi0: u32, phi1: u32, ticks: i32, high: f32) -> f32 {
+        let exact = phi0.wrapping_add(phi1.wrapping_mul(ticks as u32));
+        let t = (exact as i32) as f32 * (1.0 / 4_294_967_296.0) + high;
         t - ((t + TO_INTEGER_F32) - TO_INTEGER_F32)
     }
 
@@ -134,11 +141,6 @@ impl Scalar for f64 {
     }
 
     #[inline(always)]
-    fn from_int(value: i32) -> Self {
-        f64::from(value)
-    }
-
-    #[inline(always)]
     fn turns(value: f64) -> f64 {
         value - value.round()
     }
@@ -147,6 +149,12 @@ impl Scalar for f64 {
     fn phase(phi: [f64; 3], cubic: f64, m: i32) -> f64 {
         let m = f64::from(m);
         let t = phi[0] + m * (phi[1] + m * (phi[2] + m * cubic));
+        t - ((t + TO_INTEGER_F64) - TO_INTEGER_F64)
+    }
+
+    #[inline(always)]
+    fn uneven_phase(phi0: f64, phi1: f64, ticks: i32, high: f64) -> f64 {
+        let t = phi0 + phi1 * f64::from(ticks) + high;
         t - ((t + TO_INTEGER_F64) - TO_INTEGER_F64)
     }
 
@@ -213,6 +221,28 @@ mod tests {
         assert!(worst[0] < 1057.0 * 2f64.powi(-33) + 14.0 * 2f64.powi(-24), "{}", worst[0]);
         // The exact sum itself is rounded at 2.5e5 turns: 3 x 2^-35.
         assert!(worst[1] < 3.0 * 2f64.powi(-35), "{}", worst[1]);
+    }
+
+    #[test]
+    fn phases_between_whole_intervals() {
+        use super::super::spread::{Emitted, TICKS};
+        let mut worst = 0.0f64;
+        for i in 0..200 {
+            let x = f64::from(i);
+            let p = [240_123.1 + 0.37 * x, 66.6 - 0.91 * x, 1.57e-4 * (x - 90.0), 1e-6 * (x - 100.0)];
+            for m in -300..=300 {
+                let time = 0.1031 * f64::from(m);
+                let exact = p[0] + time * (p[1] + time * (p[2] + time * p[3]));
+                let Emitted { ticks, rest, time, .. } = Emitted::<f32>::new((0, 0.0), time, time, (0, true));
+                let high = time * time * (p[3] as f32 * time + p[2] as f32) + p[1] as f32 * rest;
+                let [phi0, phi1] = [p[0], p[1] / TICKS].map(<f32 as Scalar>::turns);
+                let error = f64::from(<f32 as Scalar>::uneven_phase(phi0, phi1, ticks, high)) - exact;
+                worst = worst.max((error - error.round()).abs());
+            }
+        }
+        println!("worst phase error where intervals differ: f32 {worst:.2e} turn");
+        // Coefficients 2^-33 (1 + 31 x 256); square and cube, 20 turns at most, are rounded four times.
+        assert!(worst < 7937.0 * 2f64.powi(-33) + 4.0 * 2f64.powi(-24) * 20.0, "{worst}");
     }
 
     #[test]

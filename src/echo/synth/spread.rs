@@ -17,14 +17,20 @@ pub(super) const CHUNK: usize = 64;
 /// Pulses that are spread by turns.
 const TOGETHER: usize = 4;
 
-/// Phases and places on the grid of the scatterer paths of one pair over a block: polynomials in pulses from
-/// the middle.
+/// Ticks of an interval where intervals differ.
+pub(super) const TICKS: f64 = 256.0;
+
+/// Phases and places on the grid of the scatterer paths of one pair over a block: polynomials in mean
+/// intervals from the middle.
 #[derive(Debug, Default)]
 pub struct DelayPolynomials<T: Scalar> {
-    /// Phase, turns: constant, first and second power.
+    /// Phase, turns: constant, first and second power. Where intervals differ the first is that of a tick,
+    /// and the second is in `uneven`.
     pub phase: [Vec<T::Turns>; 3],
     /// Phase, turns: third power.
     pub phase_cubic: Vec<T>,
+    /// Phase, turns, where intervals differ: first and second power. Empty where they do not.
+    pub uneven: [Vec<T>; 2],
     /// First cell in the middle of the block, whole cells; the rest is in `place`.
     pub base: Vec<i32>,
     /// First cell, before rounding up, less `base` and plus 1/2: powers 0 to 3, cells.
@@ -35,8 +41,43 @@ impl<T: Scalar> DelayPolynomials<T> {
     pub fn reserve(&mut self, paths: usize) {
         self.phase.iter_mut().for_each(|column| column.reserve(paths));
         self.phase_cubic.reserve(paths);
+        self.uneven.iter_mut().for_each(|column| column.reserve(paths));
         self.base.reserve(paths);
         self.place.iter_mut().for_each(|column| column.reserve(paths));
+    }
+}
+
+/// When a pulse is, and where its window.
+#[derive(Clone, Copy, Debug)]
+pub struct Emitted<T> {
+    /// Shift of all places: whole cells and the rest.
+    pub shift: (i32, T),
+    /// From the middle of the block: whole intervals, or ticks where they differ, and what is left,
+    /// intervals.
+    pub ticks: i32,
+    pub rest: T,
+    /// The same as one number, intervals.
+    pub time: T,
+    /// The same for the amplitudes, whose powers may count from another instant.
+    pub amplitude_time: T,
+    /// Place of its factors.
+    pub row: usize,
+}
+
+impl<T: Scalar> Emitted<T> {
+    /// A pulse whose window is shifted, so many intervals from the instants from which phases and amplitudes
+    /// count; `uneven`: where intervals differ.
+    pub fn new(shift: (i32, T), time: f64, amplitude_time: f64, (row, uneven): (usize, bool)) -> Self {
+        let ticks = if uneven { (time * TICKS).round() } else { time };
+        let rest = if uneven { time - ticks / TICKS } else { 0.0 };
+        Self {
+            shift,
+            ticks: ticks as i32,
+            rest: T::round_from(rest),
+            time: T::round_from(time),
+            amplitude_time: T::round_from(amplitude_time),
+            row,
+        }
     }
 }
 
@@ -45,17 +86,13 @@ pub struct Job<'a, T: Scalar> {
     pub polynomials: &'a DelayPolynomials<T>,
     /// `[power][path][lane]`.
     pub amplitude: &'a [&'a [T]],
-    /// Shift of all places per pulse of the share: whole cells and the rest.
-    pub shifts: &'a [(i32, T)],
-    /// Pulses from the middle of the block to the first of the share.
-    pub first: i32,
-    /// The same for the amplitudes, whose powers may count from another pulse.
-    pub amplitude_first: i32,
-    /// What multiplies the amplitudes, `[pulse of the share][path]`; empty where nothing does.
+    /// The pulses of the share that fill the layer, whose grids stand in this order.
+    pub pulses: &'a [Emitted<T>],
+    /// What multiplies the amplitudes, `[row][path]`; empty where nothing does.
     pub factors: &'a [T],
     /// Numbers from the factors of one pulse to the next.
     pub factor_stride: usize,
-    /// What turns the amplitudes, `[pulse of the share][real, imaginary][path]`; empty where nothing does.
+    /// What turns the amplitudes, `[row][real, imaginary][path]`; empty where nothing does.
     pub turned: &'a [T],
     /// Numbers from real to imaginary parts, and from these to the next pulse.
     pub turned_stride: usize,
@@ -132,47 +169,53 @@ fn spread_powers<
     while from < paths {
         let part = from..paths.min(from + CHUNK);
         let amplitude = amplitude.map(|power| &power[part.clone()]);
-        let groups = job.shifts.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride));
-        for (pulse, (shifts, grids)) in (0..).step_by(TOGETHER).zip(groups) {
+        let groups = job.pulses.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride));
+        for (pulses, grids) in groups {
             let (part, passes) = (part.clone(), &mut passes);
-            if job.turned.is_empty() {
-                instructions.run(Place::<T, FUSED, W, false> { job, part, pulse, shifts, passes });
-            } else {
-                instructions.run(Place::<T, FUSED, W, true> { job, part, pulse, shifts, passes });
+            match (job.turned.is_empty(), job.polynomials.uneven[0].is_empty()) {
+                (true, true) => {
+                    instructions.run(Place::<T, FUSED, W, false, false> { job, part, pulses, passes });
+                }
+                (false, true) => {
+                    instructions.run(Place::<T, FUSED, W, true, false> { job, part, pulses, passes });
+                }
+                (true, false) => {
+                    instructions.run(Place::<T, FUSED, W, false, true> { job, part, pulses, passes });
+                }
+                (false, false) => {
+                    instructions.run(Place::<T, FUSED, W, true, true> { job, part, pulses, passes });
+                }
             }
-            let first = job.amplitude_first + pulse as i32;
-            let passes = &passes[..shifts.len()];
-            instructions.run(Scatter::<T, FUSED, W, C, P> { job, passes, amplitude, first, grids });
+            let passes = &passes[..pulses.len()];
+            instructions.run(Scatter::<T, FUSED, W, C, P> { job, passes, amplitude, pulses, grids });
         }
         from = part.end;
     }
 }
 
-/// Phasors, first cells and weights of a chunk at some pulses; what turns amplitudes is compiled apart, for
-/// the loops of those that nothing turns are slower beside it.
-struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool> {
+/// Phasors, first cells and weights of a chunk at some pulses; what turns amplitudes is compiled apart, and
+/// so are intervals that differ, for the loops of those that nothing turns are slower beside it.
+struct Place<'a, 'j, T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool, const UNEVEN: bool> {
     job: &'a Job<'j, T>,
     part: Range<usize>,
-    /// First of the pulses within the share.
-    pulse: usize,
-    shifts: &'a [(i32, T)],
+    pulses: &'a [Emitted<T>],
     passes: &'a mut [Passes<T, W>; TOGETHER],
 }
 
-impl<T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool> Task
-    for Place<'_, '_, T, FUSED, W, TURNED>
+impl<T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool, const UNEVEN: bool> Task
+    for Place<'_, '_, T, FUSED, W, TURNED, UNEVEN>
 {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { job, part, pulse, shifts, passes } = self;
+        let Self { job, part, pulses, passes } = self;
         let (from, count) = (part.start, part.len());
-        for ((pulse, shift), passes) in (pulse..).zip(shifts).zip(passes) {
-            place::<T, FUSED, W>(job, from, count, job.first.wrapping_add(pulse as i32), *shift, passes);
-            let turned = |part: usize| job.turned.get((2 * pulse + part) * job.turned_stride + from..);
+        for (pulse, passes) in pulses.iter().zip(passes) {
+            place::<T, FUSED, W, UNEVEN>(job, from, count, pulse, passes);
+            let turned = |part: usize| job.turned.get((2 * pulse.row + part) * job.turned_stride + from..);
             let (cos, sin) = (&mut passes.cos[..count], &mut passes.sin[..count]);
-            let factors = job.factors.get(pulse * job.factor_stride + from..);
+            let factors = job.factors.get(pulse.row * job.factor_stride + from..);
             if !TURNED {
                 if let Some(factors) = factors {
                     weigh(factors, cos, sin);
@@ -189,8 +232,7 @@ struct Scatter<'a, 'j, T: Scalar, const FUSED: bool, const W: usize, const C: us
     job: &'a Job<'j, T>,
     passes: &'a [Passes<T, W>],
     amplitude: [&'a [[T; C]]; P],
-    /// First of the pulses as the amplitudes count them.
-    first: i32,
+    pulses: &'a [Emitted<T>],
     grids: &'a mut [T],
 }
 
@@ -201,16 +243,16 @@ impl<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usiz
 
     #[inline(always)]
     fn run(self) {
-        let Self { job, passes, amplitude, first, grids } = self;
+        let Self { job, passes, amplitude, pulses, grids } = self;
         let mut parts = grids
             .chunks_mut(job.stride)
             .map(|part| part.get_mut(job.offset..).unwrap_or_default().as_chunks_mut::<C>().0);
         if passes.len() == TOGETHER {
             let cells = std::array::from_fn(|_| parts.next().unwrap_or_default());
-            scatter::<T, FUSED, W, C, P, TOGETHER>(passes, amplitude, first, cells);
+            scatter::<T, FUSED, W, C, P, TOGETHER>(passes, amplitude, pulses, cells);
         } else {
-            for ((passes, cells), at) in passes.chunks(1).zip(parts).zip(first..) {
-                scatter::<T, FUSED, W, C, P, 1>(passes, amplitude, at, [cells]);
+            for ((passes, cells), pulse) in passes.chunks(1).zip(parts).zip(pulses.chunks(1)) {
+                scatter::<T, FUSED, W, C, P, 1>(passes, amplitude, pulse, [cells]);
             }
         }
     }
@@ -237,28 +279,40 @@ fn turn<T: Scalar>(re: &[T], im: &[T], factors: &[T], cos: &mut [T], sin: &mut [
 
 /// Phasor, first cell and weights of a chunk.
 #[inline(always)]
-fn place<T: Scalar, const FUSED: bool, const W: usize>(
+fn place<T: Scalar, const FUSED: bool, const W: usize, const UNEVEN: bool>(
     job: &Job<'_, T>,
     from: usize,
     count: usize,
-    m: i32,
-    shift: (i32, T),
+    pulse: &Emitted<T>,
     passes: &mut Passes<T, W>,
 ) {
     let part = from..from + count;
     let polynomials = job.polynomials;
-    phasors::<T, FUSED>(
-        m,
-        &polynomials.phase[0][part.clone()],
-        &polynomials.phase[1][part.clone()],
-        &polynomials.phase[2][part.clone()],
-        &polynomials.phase_cubic[part.clone()],
-        &mut passes.cos[..count],
-        &mut passes.sin[..count],
-    );
+    if UNEVEN {
+        uneven_phasors::<T, FUSED>(
+            pulse,
+            &polynomials.phase[0][part.clone()],
+            &polynomials.phase[1][part.clone()],
+            &polynomials.uneven[0][part.clone()],
+            &polynomials.uneven[1][part.clone()],
+            &polynomials.phase_cubic[part.clone()],
+            &mut passes.cos[..count],
+            &mut passes.sin[..count],
+        );
+    } else {
+        phasors::<T, FUSED>(
+            pulse.ticks,
+            &polynomials.phase[0][part.clone()],
+            &polynomials.phase[1][part.clone()],
+            &polynomials.phase[2][part.clone()],
+            &polynomials.phase_cubic[part.clone()],
+            &mut passes.cos[..count],
+            &mut passes.sin[..count],
+        );
+    }
     first_cells::<T, FUSED>(
-        m,
-        shift,
+        pulse.time,
+        pulse.shift,
         [job.last_cell, job.outside],
         &polynomials.base[part.clone()],
         &polynomials.place[0][part.clone()],
@@ -291,10 +345,31 @@ fn phasors<T: Scalar, const FUSED: bool>(
     }
 }
 
+/// The same where intervals differ.
+#[inline(always)]
+fn uneven_phasors<T: Scalar, const FUSED: bool>(
+    pulse: &Emitted<T>,
+    p0: &[T::Turns],
+    p1: &[T::Turns],
+    linear: &[T],
+    square: &[T],
+    p3: &[T],
+    cos: &mut [T],
+    sin: &mut [T],
+) {
+    let Emitted { ticks, rest, time, .. } = *pulse;
+    let lanes = p0.iter().zip(p1).zip(linear).zip(square).zip(p3).zip(cos.iter_mut().zip(sin));
+    for (((((p0, p1), linear), square), p3), (cos, sin)) in lanes {
+        let high = time * time * T::fma::<FUSED>(*p3, time, *square);
+        let high = T::fma::<FUSED>(*linear, rest, high);
+        (*cos, *sin) = T::phasor::<FUSED>(T::uneven_phase(*p0, *p1, ticks, high));
+    }
+}
+
 /// First cell, and how far its middle lies beyond the place of the first tap.
 #[inline(always)]
 fn first_cells<T: Scalar, const FUSED: bool>(
-    m: i32,
+    s: T,
     shift: (i32, T),
     [last_cell, outside]: [i32; 2],
     base: &[i32],
@@ -305,7 +380,6 @@ fn first_cells<T: Scalar, const FUSED: bool>(
     cell: &mut [i32],
     beyond: &mut [T],
 ) {
-    let s = T::from_int(m);
     let lanes = base.iter().zip(c0).zip(c1).zip(c2).zip(c3).zip(cell.iter_mut().zip(beyond));
     for (((((base, c0), c1), c2), c3), (cell, beyond)) in lanes {
         let high = T::fma::<FUSED>(T::fma::<FUSED>(*c3, s, *c2), s, *c1);
@@ -382,19 +456,19 @@ fn add<T: Scalar, const FUSED: bool, const W: usize, const C: usize>(
 }
 
 /// Scatterer paths onto the cells of some pulses by turns: neighbours often share cells, and would wait for
-/// each other's sums. `first` is the first of these pulses as the amplitudes count them.
+/// each other's sums.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)]
 fn scatter<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usize, const N: usize>(
     passes: &[Passes<T, W>],
     amplitude: [&[[T; C]]; P],
-    first: i32,
+    pulses: &[Emitted<T>],
     cells: [&mut [[T; C]]; N],
 ) {
     // By index, and without `map`: what is not inlined has not these instructions.
     let mut at = [T::default(); N];
     for n in 0..N {
-        at[n] = T::from_int(first.wrapping_add(n as i32));
+        at[n] = pulses[n].amplitude_time;
     }
     for i in 0..amplitude[0].len() {
         let mut powers = [[T::default(); C]; P];

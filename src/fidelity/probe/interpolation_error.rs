@@ -12,8 +12,8 @@ use crate::fidelity::sidelobe::{Binned, Candidates};
 use crate::fidelity::worst::{Cells, Sum};
 use crate::paths::block::probe::{Keep, SampledTile, Shadows};
 use crate::paths::block::{
-    EPOCH_POINTS, EPOCHS_PER_NODE, Instants, Sidelobe, Tier, Tiers, epochs_about, gain_instants, gain_step,
-    gain_weights, nodes_within,
+    EPOCH_POINTS, EPOCHS_PER_NODE, Instants, Sidelobe, SlowTime, Tier, Tiers, epochs_about, gain_instants,
+    gain_step, gain_weights, nodes_within,
 };
 use crate::radar::fault::RadarError;
 
@@ -131,6 +131,8 @@ impl ErrorSampler<'_> {
             truths.push(self.illuminate(first + *probe as u64, Some(&patch), Keep::default())?);
         }
         let (pairs, cells) = (self.channels.len(), self.cells_at(first)?);
+        let mut slow = SlowTime::default();
+        self.generator.slow_time(first, pulses, &mut slow);
         let edges = probes.iter().map(|(_, probe)| (*probe).min(pulses - 1 - *probe) as u64).collect();
         let mut found = Probed { edges, ..none };
         let Some(tiles) = &mut self.tiles else { return Ok(found) };
@@ -152,7 +154,7 @@ impl ErrorSampler<'_> {
                 let nodes = [instants.nodes[n], instants.nodes[n + 1]];
                 let from = epochs_about(epochs, nodes[0]..=nodes[1]);
                 let epochs = &epochs[from..(from + EPOCH_POINTS).min(epochs.len())];
-                Interval { at: n, epochs, from, nodes, interval_s }
+                Interval { at: n, epochs, from, nodes, interval_s, slow: &slow }
             };
             let intervals: Vec<Interval<'_>> = probes.iter().map(|(n, _)| interval_of(*n)).collect();
             let none: Parts = std::array::from_fn(|_| vec![Binned::new(candidates); channels]);
@@ -222,6 +224,7 @@ struct Interval<'a> {
     from: usize,
     nodes: [usize; 2],
     interval_s: f64,
+    slow: &'a SlowTime,
 }
 
 impl Interval<'_> {
@@ -237,13 +240,14 @@ impl Interval<'_> {
         (sum, bin): (&mut Parts, usize),
     ) {
         let [a, b] = [0, 1].map(|n| &sampled.of.nodes()[self.at + n].paths);
-        let length = (self.nodes[1] - self.nodes[0]) as f64;
-        let (s, span_s) = ((probe - self.nodes[0]) as f64 / length, length * self.interval_s);
-        let weights = through(self.epochs, probe);
+        let slow = |pulse: usize| self.slow.at(pulse);
+        let length = slow(self.nodes[1]) - slow(self.nodes[0]);
+        let (s, span_s) = ((slow(probe) - slow(self.nodes[0])) / length, length * self.interval_s);
+        let weights = through(self.epochs, probe, slow);
         let epochs = &sampled.of.epochs()[self.from..self.from + self.epochs.len()];
         let pulses = sampled.of.factor.len();
         let steps: Vec<usize> = gain_instants(pulses, gain_step(pulses, pulses)).collect();
-        let (first, gain_weights) = gain_weights(&steps, probe);
+        let (first, gain_weights) = gain_weights(&steps, probe, self.slow);
         for i in lanes {
             let share = truth.share[i];
             if share <= 0.0 {

@@ -38,11 +38,13 @@ mod known;
 mod line;
 pub mod points;
 mod profile;
+mod pulses;
 mod sweep;
 
 use std::ops::Range;
 
 use self::known::Known;
+use super::budget::BETWEEN_DB;
 use super::turning::Cosines;
 use super::worst::{Cells, Sum, deviations_of};
 use crate::cpu::Variant;
@@ -61,6 +63,7 @@ use exact::ExactPulse;
 use points::{Law, Points};
 
 pub use interpolation_error::{InterpolationError, Probed};
+pub use pulses::{LONGEST, spread_over, unit_of};
 pub use sweep::{Sweeps, Swept};
 
 /// Tiles of 256 facets of a sample.
@@ -74,9 +77,10 @@ const SMALL_FACETS: usize = 1 << 15;
 /// Most power of the breaking waves and the rain of a pulse over the most that a few dozen pulses show: they
 /// add with random phases, and come and go.
 const MOST_OF_EXACT: f64 = 2.0;
-/// Longest block, pulses.
-pub const LONGEST: u64 = 64;
-
+/// Pulses in a period of the bandwidth of a tile from which on it may have supports.
+const LEAST_PULSES_OF_BAND: f64 = 3.0;
+/// Runs of no more pulses need none.
+const FEW_PULSES: u64 = 32;
 /// Powers by channel, W: the sum over a sample.
 pub type Powers = Vec<f64>;
 
@@ -113,6 +117,14 @@ impl Truth {
         if self.share[i] > 0.0 { self.power(i) * self.share[i] } else { 0.0 }
     }
 
+    /// Bandwidth of what its facets return, without that of their waves, Hz.
+    fn bandwidth_hz(&self, radar: &Radar) -> f64 {
+        let rates = self.rate[..self.count].iter().filter(|rate| rate.is_finite());
+        let [least, most] =
+            rates.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], rate| [a.min(*rate), b.max(*rate)]);
+        radar.carrier_hz * (most - least).max(0.0) + radar.sample_rate_hz * most.abs().max(least.abs())
+    }
+
     /// Power of a facet in the channel that receives most of it.
     fn strongest(&self, i: usize) -> f64 {
         self.amplitude.iter().map(|a| square(a, i)).fold(0.0, f64::max) * f64::from(self.factor[i]).powi(2)
@@ -127,6 +139,8 @@ pub struct ErrorSampler<'a> {
     /// Resolution cells of a second of delay.
     cells_per_s: f64,
     pulses: u64,
+    /// Pulses of a unit.
+    unit: u64,
     memory: Workspace,
     tiles: Option<Box<TileWork>>,
     places: Vec<Place>,
@@ -156,6 +170,9 @@ pub struct ErrorSampler<'a> {
     candidates: Candidates,
     /// Facets of each bin of gain, sum over the run.
     gains: Vec<f64>,
+    /// Of the tiles of the sample at all places: how far their facets differ in Doppler, and how fast they
+    /// move over the delay grid, Hz.
+    bandwidths_hz: Vec<f64>,
     known: Known,
 }
 
@@ -163,8 +180,8 @@ pub struct ErrorSampler<'a> {
 pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
 
 impl<'a> ErrorSampler<'a> {
-    /// For a run of so many pulses, with the sidelobe threshold if one is asked; illuminates the sample once
-    /// at every place.
+    /// For a run of so many pulses in units of some, with the sidelobe threshold if one is asked; illuminates
+    /// the sample once at every place.
     ///
     /// # Errors
     /// A track that ends before the run.
@@ -172,7 +189,7 @@ impl<'a> ErrorSampler<'a> {
         generator: &'a PathGenerator,
         radar: &'a Radar,
         waveform: &dyn Waveform,
-        pulses: u64,
+        (pulses, unit): (u64, u64),
         sidelobe_db: Option<f64>,
     ) -> Result<Self, RadarError> {
         let candidates = Candidates::new(sidelobe_db);
@@ -189,11 +206,12 @@ impl<'a> ErrorSampler<'a> {
             pulse_s: waveform.duration_s(),
             cells_per_s: if bandwidth_hz > 0.0 { bandwidth_hz } else { radar.sample_rate_hz },
             pulses,
+            unit,
             memory: generator.workspace(),
             tiles: generator.tile_work(Variant::fastest(), None),
             places: Vec::new(),
             channels,
-            interval_s: radar.emissions.interval_s(0, 1),
+            interval_s: radar.emissions.mean_pri_s(),
             interpolates: true,
             turning: false,
             dopplers: Vec::new(),
@@ -207,16 +225,18 @@ impl<'a> ErrorSampler<'a> {
             culled: vec![vec![0.0; all]; LEASTS.len()],
             gains: vec![0.0; candidates.bins()],
             candidates,
+            bandwidths_hz: Vec::new(),
             known: Known::default(),
         };
         own.find_points()?;
         let strongest = own.profile()?;
         // The last block of a run may be cut short.
-        let last = pulses.saturating_sub(LONGEST / 2);
+        let longest = own.longest();
+        let last = pulses.saturating_sub(longest / 2);
         let mut firsts: Vec<u64> = Vec::new();
         let between = (1..4).map(|n| last / 4 * n).filter(|_| own.is_small());
         for first in [strongest.min(last), 0, last].into_iter().chain(between) {
-            if firsts.iter().all(|other| other.abs_diff(first) >= LONGEST / 8) {
+            if firsts.iter().all(|other| other.abs_diff(first) >= longest / 8) {
                 firsts.push(first);
             }
         }
@@ -290,6 +310,27 @@ impl<'a> ErrorSampler<'a> {
         self.turning
     }
 
+    /// What tiles may lack at their supports alone, where an error over the echo's power is asked: nothing where pulses lie so far apart that hardly any
+    /// has some.
+    pub fn between(&self, power: f64) -> Option<f64> {
+        let mut bandwidths_hz = self.bandwidths_hz.clone();
+        bandwidths_hz.sort_unstable_by(f64::total_cmp);
+        let median_hz = bandwidths_hz.get(bandwidths_hz.len() / 2)?;
+        let far = self.radar.emissions.mean_prf_hz() > LEAST_PULSES_OF_BAND * median_hz;
+        let of_strongest = || power * 10f64.powf(-BETWEEN_DB / 10.0) / self.peak([1.0, 0.0]).max(1.0);
+        (far && self.pulses > FEW_PULSES).then(of_strongest)
+    }
+
+    /// Pulses of a unit.
+    pub fn unit(&self) -> u64 {
+        self.unit
+    }
+
+    /// Longest block, pulses.
+    pub fn longest(&self) -> u64 {
+        LONGEST * self.unit
+    }
+
     /// How many places there are.
     pub fn places(&self) -> usize {
         self.places.len()
@@ -352,7 +393,7 @@ impl<'a> ErrorSampler<'a> {
 
     fn open(&mut self, place: usize) -> Result<(), RadarError> {
         let first = self.places[place].first;
-        let pulses = [first, (first + LONGEST - 1).min(self.pulses.saturating_sub(1))];
+        let pulses = [first, (first + self.longest() - 1).min(self.pulses.saturating_sub(1))];
         self.interpolates &= self.generator.receives_itself_alone(&pulses, &mut self.memory)?;
         let patch = self.places[place].patch;
         let truths = self.illuminate(first, patch.as_ref(), Keep::default())?;
@@ -369,6 +410,7 @@ impl<'a> ErrorSampler<'a> {
                 }
             }
         }
+        self.bandwidths_hz.extend(truths.iter().map(|truth| truth.bandwidth_hz(self.radar)));
         let facets: usize = truths.iter().step_by(pairs.max(1)).map(|truth| truth.count).sum();
         means_w.iter_mut().for_each(|mean| *mean /= facets.max(1) as f64);
         self.leave_out(&truths, &means_w);
@@ -477,12 +519,6 @@ impl<'a> ErrorSampler<'a> {
     }
 }
 
-/// Numbers of `count` pulses in the middle of as many equal parts of a run.
-pub fn spread_over(pulses: u64, count: u64) -> impl Iterator<Item = u64> {
-    let middle = move |n: u64| u128::from(pulses) * u128::from(2 * n + 1) / u128::from(2 * count.max(1));
-    (0..count).map(move |n| middle(n) as u64)
-}
-
 /// Lanes of the runs of a tile, and the bins of their gains.
 fn runs_of(sampled: &SampledTile<'_>, candidates: &Candidates) -> Vec<(Range<usize>, usize)> {
     let mut at = 0;
@@ -497,14 +533,13 @@ fn square([re, im]: &[Row; 2], i: usize) -> f64 {
     f64::from(re[i] * re[i] + im[i] * im[i])
 }
 
-/// Weights of the polynomial through values at some pulses, at a pulse.
-fn through(places: &[usize], pulse: usize) -> [f64; 4] {
+/// Weights of the polynomial through values at some pulses, at a pulse, `at` being when these are.
+fn through(places: &[usize], pulse: usize, at: impl Fn(usize) -> f64) -> [f64; 4] {
     let mut weights = [0.0; 4];
     for (n, (weight, own)) in weights.iter_mut().zip(places).enumerate() {
         let others = places.iter().enumerate().filter(|(m, _)| *m != n);
-        *weight = others.fold(1.0, |product, (_, other)| {
-            product * (pulse as f64 - *other as f64) / (*own as f64 - *other as f64)
-        });
+        *weight = others
+            .fold(1.0, |product, (_, other)| product * (at(pulse) - at(*other)) / (at(*own) - at(*other)));
     }
     weights
 }

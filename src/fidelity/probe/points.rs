@@ -1,9 +1,9 @@
 //! Targets, direct paths and panels of ships of a run.
 //!
 //! They are few, so they are followed themselves: at up to 65536 pulses spread over the run for their power,
-//! and in **stretches** of [`LONGEST`] successive pulses for what is left of them, all of the run where it is
-//! short, else those about the strongest pulses, and some spread over it. Of more than 1024 the strongest are
-//! followed, for all.
+//! and in **stretches** of [`LONGEST`] units of successive pulses for what is left of them, a pulse of each
+//! unit ([`unit_of`](super::unit_of)), all of the run where it is short, else those about the strongest
+//! pulses, and some spread over it. Of more than 1024 the strongest are followed, for all.
 //!
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and
 //! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as
@@ -29,7 +29,7 @@ use num_complex::Complex64;
 
 use super::line::Line;
 use super::{ErrorSampler, LONGEST, Powers, spread_over, through};
-use crate::paths::block::nodes_within;
+use crate::paths::block::{SlowTime, nodes_within};
 use crate::paths::list::ScattererPaths;
 use crate::radar::fault::RadarError;
 
@@ -92,6 +92,8 @@ impl Points {
 /// A stretch of successive pulses.
 pub(super) struct Stretch {
     first: u64,
+    /// When its pulses are, mean intervals.
+    at: Vec<f64>,
     /// Points that are followed, pulse by pulse.
     exact: Vec<ScattererPaths>,
     /// `[pulse][pair]`.
@@ -191,7 +193,7 @@ impl ErrorSampler<'_> {
         let mut of_each = vec![(0.0f64, 0.0); points];
         let mut paths = self.no_points();
         let deviations = self.deviations();
-        for index in spread_over(self.pulses, count) {
+        for index in spread_over(self.pulses, count, 1) {
             let (opens_s, _) = self.points_at(index, &mut paths)?;
             let (drawn, highest) = (self.variation(index, false)?, self.variation(index, true)?);
             let mut all = 0.0;
@@ -225,7 +227,7 @@ impl ErrorSampler<'_> {
         }
         loud.sort_by(|a, b| b.0.total_cmp(&a.0));
         self.points.loudest = loud.first().map_or(0, |(_, index)| *index);
-        self.points.stretches = stretches(self.pulses, points as u64, &loud);
+        self.points.stretches = stretches(self.pulses, (points as u64, self.longest()), &loud);
         let (targets, panels) = of_each.split_at(self.generator.target_count());
         let [(targets, of_targets), (panels, of_panels)] =
             [targets, panels].map(|of_each| loudest(of_each, MOST_POINTS));
@@ -233,7 +235,7 @@ impl ErrorSampler<'_> {
         self.points.panels_from = targets.len();
         self.points.followed = targets.into_iter().chain(panels.iter().map(|n| first_panel + n)).collect();
         self.points.all_of_followed = [of_targets, of_panels];
-        let unseen = unseen(self.points.stretches.len() as u64, self.pulses);
+        let unseen = unseen(self.points.stretches.len() as u64, self.pulses, self.longest());
         if unseen > 1.0 && (0..points).any(|n| self.generator.is_lifted(n)) {
             let of = |n| if self.generator.is_lifted(n) { unseen } else { 1.0 };
             self.points.unseen = (0..points).map(of).collect();
@@ -267,7 +269,8 @@ impl ErrorSampler<'_> {
                 [(&mut swept, targets.clone(), 0), (&mut swept_panels, panels.clone(), 1)]
             {
                 for (step, worst) in steps {
-                    let length = usize::try_from(3 * *step + more).unwrap_or(usize::MAX).max(1);
+                    // In units; steps are whole units, or a pulse, which leaves nothing.
+                    let length = usize::try_from(3 * (*step / self.unit) + more).unwrap_or(usize::MAX).max(1);
                     for from in (0..stretch.exact.len()).step_by(length) {
                         let pulses = from..(from + length).min(stretch.exact.len());
                         self.add_part(&stretch, pulses, points.clone(), worst);
@@ -328,8 +331,8 @@ impl ErrorSampler<'_> {
         let mut from = 0;
         while from < stretch.exact.len() {
             // Blocks of the run; of those that begin before the stretch or end after it, their part.
-            let within = (block - (stretch.first + from as u64) % block) as usize;
-            let pulses = from..(from + within).min(stretch.exact.len());
+            let within = (block - (stretch.first + from as u64 * self.unit) % block).div_ceil(self.unit);
+            let pulses = from..(from + within as usize).min(stretch.exact.len());
             for (pair, channels) in self.channels.iter().enumerate() {
                 let sum = |which: usize| {
                     let of = of_points(pulses.len()).map(|n| stretch.rates[from + n][pair][which]);
@@ -387,8 +390,12 @@ impl ErrorSampler<'_> {
         let first_panel = self.generator.target_count();
         let scale = |n: usize| if n < first_panel { of_targets } else { of_panels };
         let (exact, lines, rates, most) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut stretch = Stretch { first, exact, lines, rates, most };
-        for index in first..first.saturating_add(LONGEST).min(self.pulses) {
+        let mut slow = SlowTime::default();
+        self.generator.slow_time(first, self.longest() as usize, &mut slow);
+        let at = (0..LONGEST as usize).map(|n| slow.at(n * self.unit as usize)).collect();
+        let mut stretch = Stretch { first, at, exact, lines, rates, most };
+        let pulses = first..first.saturating_add(self.longest()).min(self.pulses);
+        for index in pulses.step_by(self.unit as usize) {
             let (_, rates) = self.points_at(index, &mut all)?;
             let of =
                 |column: &Vec<f64>| -> Vec<f64> { self.points.followed.iter().map(|n| column[*n]).collect() };
@@ -467,13 +474,15 @@ impl ErrorSampler<'_> {
         if points.is_empty() {
             return;
         }
+        let from = pulses.start;
         let (exact, lines, varied) = (&of.exact[pulses.clone()], &of.lines[pulses.clone()], &of.most[pulses]);
         let turns_per_s = TAU * self.radar.carrier_hz;
         let bounds = [self.deviations(), self.points.coherence];
         let (nodes, count) = nodes_within(exact.len());
         let nodes = &nodes[..count];
+        let slow = |pulse: usize| of.at[from + pulse];
         for (pulse, own) in exact.iter().enumerate().filter(|(pulse, _)| !nodes.contains(pulse)) {
-            let weights = through(nodes, pulse);
+            let weights = through(nodes, pulse, slow);
             for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
                 let off = |n: usize| {
                     if !points.contains(&n) {
@@ -505,28 +514,28 @@ fn loudest(of_each: &[(f64, f64)], most: usize) -> (Vec<usize>, f64) {
 }
 
 /// The largest of a Gaussian process in a run over the largest in so many of its stretches.
-fn unseen(stretches: u64, pulses: u64) -> f64 {
-    let all = pulses.div_ceil(LONGEST);
+fn unseen(stretches: u64, pulses: u64, longest: u64) -> f64 {
+    let all = pulses.div_ceil(longest);
     if all <= stretches { 1.0 } else { ((all as f64).ln() / (stretches.max(2) as f64).ln()).sqrt().max(1.0) }
 }
 
 /// First pulses of the stretches of a run; `strong` are pulses from the strongest on.
-fn stretches(pulses: u64, points: u64, loud: &[(f64, u64)]) -> Vec<u64> {
+fn stretches(pulses: u64, (points, longest): (u64, u64), loud: &[(f64, u64)]) -> Vec<u64> {
     let most = (MOST_FOLLOWED / (points * LONGEST)).clamp(*STRETCHES.start(), *STRETCHES.end());
-    let all = pulses.div_ceil(LONGEST);
+    let all = pulses.div_ceil(longest);
     if all <= most {
-        return (0..all).map(|n| n * LONGEST).collect();
+        return (0..all).map(|n| n * longest).collect();
     }
     let mut chosen = std::collections::BTreeSet::new();
     for (_, index) in loud {
         if chosen.len() as u64 >= most.div_ceil(2) {
             break;
         }
-        chosen.insert(index / LONGEST);
+        chosen.insert(index / longest);
     }
     let rest = most - chosen.len() as u64;
     chosen.extend((0..rest).map(|n| (all - 1) * n / (rest - 1).max(1)));
-    chosen.into_iter().map(|n| n * LONGEST).collect()
+    chosen.into_iter().map(|n| n * longest).collect()
 }
 
 #[cfg(test)]
@@ -543,20 +552,22 @@ mod tests {
 
     #[test]
     fn short_runs_are_followed_throughout_and_long_ones_where_they_are_loud() {
-        assert_eq!(stretches(1, 1, &[]), [0]);
-        assert_eq!(stretches(130, 1, &[]), [0, 64, 128]);
+        assert_eq!(stretches(1, (1, LONGEST), &[]), [0]);
+        assert_eq!(stretches(130, (1, LONGEST), &[]), [0, 64, 128]);
+        assert_eq!(stretches(1300, (1, 10 * LONGEST), &[]), [0, 640, 1280]);
         let loud = [(9.0, 640_000), (8.0, 640_001), (7.0, 3), (6.0, 500_000)];
-        let found = stretches(800_000, 1, &loud);
+        let found = stretches(800_000, (1, LONGEST), &loud);
         assert!(found.len() <= 64 && found.is_sorted(), "{found:?}");
         for index in [0, 640_000, 499_968, 799_936] {
             assert!(found.contains(&index), "{index}: {found:?}");
         }
-        assert_eq!(stretches(800_000, 1_000_000, &loud), [640_000]);
-        assert!(stretches(u64::MAX, 1, &[]).iter().all(|first| *first < u64::MAX));
+        assert_eq!(stretches(800_000, (1_000_000, LONGEST), &loud), [640_000]);
+        assert!(stretches(u64::MAX, (1, LONGEST), &[]).iter().all(|first| *first < u64::MAX));
     }
 
     #[test]
     fn what_no_stretch_shows_is_allowed_for() {
+        let unseen = |stretches: u64, pulses: u64| super::unseen(stretches, pulses, LONGEST);
         assert_eq!((unseen(1, 64), unseen(3, 130), unseen(0, 0)), (1.0, 1.0, 1.0));
         // The largest of 2^20 of a Gaussian process, and of 64: sqrt(20/6).
         assert!((unseen(64, LONGEST << 20) - (20f64 / 6.0).sqrt()).abs() < 1e-12);

@@ -10,7 +10,6 @@
 use super::{ErrorSampler, MOST_OF_EXACT, PROFILE, Powers, spread_over};
 use crate::paths::block::probe::{Keep, Shadows};
 use crate::radar::fault::RadarError;
-use crate::scene::radar::{Polarisation, TxPolarisation};
 
 /// Ratio of the powers of two pulses that are too far apart.
 const STEEP: f64 = 4.0;
@@ -30,7 +29,7 @@ impl ErrorSampler<'_> {
     pub(super) fn profile(&mut self) -> Result<u64, RadarError> {
         let count = PROFILE.min(self.pulses);
         let mut found = Vec::new();
-        for (step, index) in spread_over(self.pulses, count).enumerate() {
+        for (step, index) in spread_over(self.pulses, count, 1).enumerate() {
             found.push(self.profiled(index, (step == 0, count as f64))?);
         }
         let refined = self.refine(&mut found)?;
@@ -50,7 +49,9 @@ impl ErrorSampler<'_> {
             self.power.iter_mut().zip(&pulse.power).for_each(|(mean, own)| *mean += share * own);
         }
         let weight = self.sampled();
-        self.power.iter_mut().zip(&self.points.power).for_each(|(mean, own)| *mean += weight * own);
+        let turns = self.generator.shares_of_pulses();
+        let points = self.points.power.iter().zip(&turns);
+        self.power.iter_mut().zip(points).for_each(|(mean, (own, share))| *mean += weight * share * own);
         Ok(strongest)
     }
 
@@ -70,39 +71,21 @@ impl ErrorSampler<'_> {
                 self.gains[*bin] += lanes.len() as f64;
             }
         }
-        let turns = self.polarisations();
+        let turns = self.generator.shares_of_pulses();
         let of_facets = powers.iter().sum();
-        let mut power: Powers = powers.iter().zip(&turns).map(|(own, share)| own * share).collect();
-        let mut most_of_exact = vec![0.0f64; power.len()];
-        let next = match &self.radar.tx_polarisation {
-            TxPolarisation::Simultaneous => 1,
-            TxPolarisation::Alternating(sequence) => sequence.len().max(1) as u64,
-        };
-        let last = self.pulses.saturating_sub(1);
-        for index in (0..next).map(|n| (index + n).min(last)) {
-            let [broken, rain] = self.profile_exact(index, patch.as_ref(), &truths)?;
-            for (((mean, most), broken), rain) in
-                power.iter_mut().zip(&mut most_of_exact).zip(broken).zip(rain)
-            {
-                *mean += (broken + rain) / next as f64;
-                *most = most.max(broken + rain);
-            }
-        }
-        for ((highest, own), exact) in self.highest.iter_mut().zip(worst).zip(most_of_exact) {
+        // What is found of a pulse is in all polarisations.
+        let [broken, rain] = self.profile_exact(index, patch.as_ref(), &truths)?;
+        let exact: Powers = broken.iter().zip(rain).map(|(broken, rain)| broken + rain).collect();
+        let power: Powers = powers
+            .iter()
+            .zip(&exact)
+            .zip(&turns)
+            .map(|((own, exact), share)| (own + exact) * share)
+            .collect();
+        for ((highest, own), exact) in self.highest.iter_mut().zip(worst).zip(exact) {
             *highest = highest.max(own + MOST_OF_EXACT * exact);
         }
         Ok(Profiled { index, of_facets, total: power.iter().sum(), power })
-    }
-
-    /// Share of the pulses that leave in the polarisation of each channel.
-    fn polarisations(&self) -> Vec<f64> {
-        let of = |port: Polarisation| match &self.radar.tx_polarisation {
-            TxPolarisation::Simultaneous => 1.0,
-            TxPolarisation::Alternating(sequence) => {
-                sequence.iter().filter(|own| **own == port).count() as f64 / sequence.len().max(1) as f64
-            }
-        };
-        self.radar.channels.iter().map(|channel| of(channel.tx)).collect()
     }
 
     /// Adds pulses where the power changes steeply; says whether there are any.

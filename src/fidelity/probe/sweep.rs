@@ -3,16 +3,19 @@
 use std::ops::Range;
 use std::rc::Rc;
 
-use super::{ErrorSampler, LONGEST, Place, Powers, TILES, runs_of, square};
+use super::{ErrorSampler, Place, Powers, TILES, runs_of, square};
 use crate::fidelity::sidelobe::{Binned, Candidates};
 use crate::fidelity::worst::Sum;
 use crate::geometry::lanes::Row;
 use crate::paths::block::probe::{Keep, Shadows};
 use crate::paths::block::{
-    Instants, Sidelobe, Tiers, gain_instants, gain_step, gain_weights, sidelobe_gain_pulses,
+    Instants, Sidelobe, SlowTime, Tiers, gain_instants, gain_step, gain_weights, sidelobe_gain_pulses,
 };
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
+
+/// Most instants at which the gains of a block are found.
+const MOST_GAINS: usize = 128;
 
 /// What interpolation between instants of gain leaves.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -97,11 +100,11 @@ struct Exact {
 }
 
 impl Exact {
-    /// Square of what a facet's factor is off at a pulse with a gain that was found, as it is received.
-    fn off(&self, pulse: usize, i: usize, found: f32) -> f64 {
-        let exact = self.gains[pulse][i];
+    /// Square of what a facet's factor is off at an instant with a gain that was found, as it is received.
+    fn off(&self, instant: usize, i: usize, found: f32) -> f64 {
+        let exact = self.gains[instant][i];
         // Shadows and facets that turn away.
-        let seen = if exact == 0.0 { 1.0 } else { self.factor[pulse][i] / exact };
+        let seen = if exact == 0.0 { 1.0 } else { self.factor[instant][i] / exact };
         f64::from((found - exact) * seen).powi(2) * self.share[i]
     }
 }
@@ -145,16 +148,21 @@ impl ErrorSampler<'_> {
     ) -> Result<OfPlace, RadarError> {
         let channels = self.radar.channels.len();
         let Place { first, patch } = self.places[place].clone();
-        let cells = self.cells_at(first)?;
+        let (cells, longest) = (self.cells_at(first)?, self.longest());
         let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else {
             let none = vec![Vec::new(); steps.len()];
             return Ok([none.clone(), none]);
         };
-        let pulses = block_pulses.clamp(1, LONGEST).min(self.pulses - first) as usize;
+        let pulses = block_pulses.clamp(1, longest).min(self.pulses - first) as usize;
+        // Gains are found every so many pulses: steps and their halves are multiples of it.
+        let fine = pulses.div_ceil(MOST_GAINS);
         let candidates = &self.candidates;
+        let mut slow = SlowTime::default();
+        self.generator.slow_time(first, pulses, &mut slow);
         // Between the first two instants, the second two, and in the middle.
         let instants_of = |step: u64| -> (usize, Vec<usize>) {
             let step = gain_step(pulses, step as usize);
+            let step = if fine > 1 { step.next_multiple_of(2 * fine) } else { step };
             (step, gain_instants(pulses, step).collect())
         };
         let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps
@@ -164,7 +172,7 @@ impl ErrorSampler<'_> {
                 let half = step / 2;
                 let probes = [half, step + half, (pulses / 2).next_multiple_of(step) + half];
                 let weights = |pulse: usize| {
-                    let (from, weights) = gain_weights(&places, pulse);
+                    let (from, weights) = gain_weights(&places, pulse, &slow);
                     (pulse, from, weights)
                 };
                 probes.into_iter().filter(|pulse| *pulse < pulses && step > 1).map(weights).collect()
@@ -175,14 +183,15 @@ impl ErrorSampler<'_> {
         };
         let mut sums = [none(), none()];
         let (pairs, mut exact) = (self.channels.len(), Vec::new());
-        let block = Instants::of_block(first, pulses, 1, 1);
+        let block = Instants::of_block(first, pulses, 1, fine);
         let opens_s = self.generator.window_start_of(first)?;
         let window = Window::new(self.radar, opens_s, self.pulse_s);
         for (tier, sums) in sums.iter_mut().enumerate() {
-            // Gains of sidelobe tiles at every pulse, too, but with directions that are straight from end to
+            // Gains of sidelobe tiles as often, too, but with directions that are straight from end to
             // end of the block.
-            let tiers =
+            let mut tiers =
                 Tiers::new(block, (tier == 1).then_some(Sidelobe { below_db: f64::INFINITY, epochs: 2 }));
+            tiers.sidelobe.iter_mut().for_each(|sidelobe| sidelobe.gain_pulses = fine);
             let keep =
                 if tier == 0 { Keep::default() } else { Keep { shadows: Shadows::Keep, surface: true } };
             self.generator.sample_tiles(&tiers, &patch, TILES, keep, tiles, |sampled| {
@@ -190,7 +199,7 @@ impl ErrorSampler<'_> {
                     let delays_s = &sampled.of.nodes()[0].paths.delay_s;
                     exact.push(Exact {
                         gains: sampled.gains.to_vec(),
-                        factor: sampled.of.factor.clone(),
+                        factor: sampled.of.factor.iter().step_by(fine).copied().collect(),
                         amplitude: sampled.of.epochs()[0].rows(),
                         delay_s: delays_s.to_vec(),
                         share: delays_s.iter().map(|delay_s| window.share(*delay_s)).collect(),
@@ -206,8 +215,8 @@ impl ErrorSampler<'_> {
                             for i in lanes.clone() {
                                 let rows = places[*from..].iter().zip(weights);
                                 let found: f32 =
-                                    rows.map(|(place, weight)| weight * sampled.gains[*place][i]).sum();
-                                let off = exact.off(*pulse, i, found);
+                                    rows.map(|(place, w)| w * sampled.gains[place.div_ceil(fine)][i]).sum();
+                                let off = exact.off(*pulse / fine, i, found);
                                 let cell = cells.of(exact.delay_s[i]);
                                 for (channel, a) in own.iter().zip(&exact.amplitude) {
                                     sum[*channel].0[*bin].add(square(a, i) * off, cell);

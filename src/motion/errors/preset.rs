@@ -38,17 +38,6 @@ pub enum Class {
 }
 
 impl Class {
-    /// The class of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "sps" => Some(Self::Sps),
-            "rtk" => Some(Self::Rtk),
-            "tactical" => Some(Self::Tactical),
-            "navigation" => Some(Self::Navigation),
-            _ => None,
-        }
-    }
-
     /// Its errors.
     pub fn model(self) -> ErrorModel {
         // Horizontal and vertical position, velocity; roll and pitch, heading (deg); rate, latency.

@@ -9,7 +9,6 @@ use super::instants::Tier;
 use super::runs::Gather;
 use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
 use super::timing::Timing;
-use super::travelling::Part;
 use crate::cpu::Variant;
 use crate::frames::Vector;
 use crate::geometry::lanes::{End, LANES, Paths, Row, lanes_for};
@@ -48,6 +47,7 @@ impl PathGenerator {
         self.place(patch, work);
         self.sight(work);
         self.keep_illuminated(work);
+        self.choose_supports(sea, work);
         if work.tile.count == 0 {
             return;
         }
@@ -390,16 +390,17 @@ impl PathGenerator {
                 (kind, cover as f32)
             }));
         }
-        let beside = |i: usize, k: [f64; 2]| {
-            sea.scattering.beside_m4([places_m[0][i], places_m[1][i]], k, &instant.poses)
+        let of_ships = sea.scattering.has_short_waves();
+        let beside = |count: usize, bragg: &[Row; 2], out: &mut Row| {
+            let places = (&*places_m, *bounds_m);
+            sea.scattering.beside_lanes(*variant, places, &instant.poses, (count, bragg), out)
         };
-        let beside: Option<Beside<'_>> = if sea.scattering.has_short_waves() { Some(&beside) } else { None };
+        let beside: Option<Beside<'_>> = of_ships.then_some(&beside);
         if land.count < count {
             self.respond(sea, *variant, kinds, beside, batch);
         }
         if let Some(LandPlan { scattering, .. }) = sea.land.as_ref().filter(|_| land.count > 0) {
-            // What turns as specular points do is handed over apart, and land is in the other part.
-            let silent = *part == Part::Specular;
+            let silent = !sea.has_land(*part);
             batch.respond_as_land(*variant, sea.lanes.axis(), scattering, land, silent);
         }
         out.cosine = batch.cosine;
@@ -436,20 +437,22 @@ impl PathGenerator {
         ];
         let Epoch { layers, power, .. } = out;
         power.fill(0.0);
-        for (channels, layer) in plan.channels.chunks(CHANNELS_PER_LAYER).zip(layers) {
+        let mut in_rain = plan.link.lanes_in_rain().map(|rain| (rain, [[0.0; LANES]; CHANNELS_PER_LAYER]));
+        for layer in layers {
+            let channels = layer.channels().iter().map(|channel| plan.channels[*channel]);
             let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
             let mut scales = [scale; CHANNELS_PER_LAYER];
-            let mut in_rain = [[0.0; LANES]; CHANNELS_PER_LAYER];
-            let rows = in_rain.iter_mut().zip(&mut scales);
-            for ((&(_, tx_port, rx_port), port), (row, own)) in channels.iter().zip(&mut ports).zip(rows) {
+            for ((_, tx_port, rx_port), port) in channels.clone().zip(&mut ports) {
                 *port = port_products([tx_port, rx_port], isolations_db);
-                if let Some(rain) = plan.link.lanes_in_rain() {
-                    let ports = [tx_port, rx_port];
-                    variant.run(InRain { rain, ports, view, scale, count: batch.count, out: row });
+            }
+            if let Some((rain, rows)) = &mut in_rain {
+                for (((_, tx_port, rx_port), row), own) in channels.zip(rows).zip(&mut scales) {
+                    let (ports, count) = ([tx_port, rx_port], batch.count);
+                    variant.run(InRain { rain: *rain, ports, view, scale, count, out: row });
                     *own = row;
                 }
             }
-            let (ports, power) = (&ports[..channels.len()], &mut *power);
+            let (ports, power) = (&ports[..layer.channels().len()], &mut *power);
             match layer.lanes() {
                 2 => variant.run(Combine::<2> { ports, scales, batch, out: layer.lines_mut(), power }),
                 4 => variant.run(Combine::<4> { ports, scales, batch, out: layer.lines_mut(), power }),
@@ -551,11 +554,15 @@ impl PathGenerator {
         let plan = &self.plans[pair];
         let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
         let count = tile.count;
+        let supports = tile.chosen.and_then(|chosen| tile.supports.get(chosen));
         let Pair { epochs, epoch_count, factor, .. } = &mut tile.pairs[pair];
+        let rows = supports.map_or(timing.instants.pulses, |own| own.pulses().len());
+        factor.resize(rows, [0.0; LANES]);
         let epochs = &epochs[..*epoch_count];
         let turns = variant.run(Turns { count, epochs });
         let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
-        for (pulse, out) in factor.iter_mut().enumerate() {
+        for (row, out) in factor.iter_mut().enumerate() {
+            let pulse = supports.map_or(row, |own| own.pulses()[row]);
             let (start, weights) = &timing.lagrange[pulse];
             let (rows, weights) = (&gain_rows[pair][*start..], &weights[..points]);
             variant.run(Weigh { count, rows, weights, out });

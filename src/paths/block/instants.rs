@@ -2,6 +2,8 @@
 
 use std::ops::{Range, RangeInclusive};
 
+use super::slow_time::SlowTime;
+
 /// Most nodes of a block.
 pub const NODES: usize = 4;
 /// Nodes of a sidelobe tile.
@@ -107,6 +109,9 @@ pub struct Tiers {
     pub sidelobe: Option<Instants>,
     /// Two-way gain of every pair over its peak below which they are, dB.
     pub below_db: f64,
+    /// Share of its power that a tile may lack for being evaluated at its supports alone; `None`: at every
+    /// pulse.
+    pub between: Option<f64>,
 }
 
 impl From<Instants> for Tiers {
@@ -124,6 +129,7 @@ impl Tiers {
             mainlobe,
             sidelobe: sidelobe.and_then(|sidelobe| mainlobe.sidelobe(sidelobe.epochs)),
             below_db,
+            between: None,
         }
     }
 
@@ -165,11 +171,11 @@ pub fn gain_instants(pulses: usize, gain_pulses: usize) -> impl Iterator<Item = 
 
 /// Weights of the gain instants at a pulse: the first of them that counts, as many before as after but within
 /// the block, and the weights from there on.
-pub fn gain_weights(places: &[usize], pulse: usize) -> (usize, [f32; GAIN_POINTS]) {
+pub fn gain_weights(places: &[usize], pulse: usize, slow: &SlowTime) -> (usize, [f32; GAIN_POINTS]) {
     let points = GAIN_POINTS.min(places.len());
     let after = places.partition_point(|place| *place <= pulse);
     let first = after.saturating_sub(points / 2).min(places.len() - points);
-    (first, through(&places[first..first + points], pulse))
+    (first, through(&places[first..first + points], pulse, slow))
 }
 
 /// The first of the [`EPOCH_POINTS`] scattering epochs about some pulses: as many before as after, but within
@@ -181,13 +187,13 @@ pub fn epochs_about(epochs: &[usize], pulses: RangeInclusive<usize>) -> usize {
     (from + to).saturating_sub(points - 1).div_euclid(2).min(epochs.len() - points)
 }
 
-/// Weights of the polynomial through values at `places`, at `pulse`.
-pub(super) fn through<const N: usize>(places: &[usize], pulse: usize) -> [f32; N] {
-    let mut weights = [0.0; N];
+/// Weights of the polynomial in slow time through values at `places`, at `pulse`.
+pub(super) fn through<const N: usize>(places: &[usize], pulse: usize, slow: &SlowTime) -> [f32; N] {
+    let (mut weights, at) = ([0.0; N], slow.at(pulse));
     for (n, (weight, own)) in weights.iter_mut().zip(places).enumerate() {
         let others = places.iter().enumerate().filter(|(m, _)| *m != n);
         let product = others.fold(1.0, |product, (_, other)| {
-            product * (pulse as f64 - *other as f64) / (*own as f64 - *other as f64)
+            product * (at - slow.at(*other)) / (slow.at(*own) - slow.at(*other))
         });
         *weight = product as f32;
     }
@@ -231,7 +237,7 @@ mod tests {
     fn weights_of_gains_are_those_of_polynomials() {
         let places: Vec<usize> = gain_instants(37, 4).collect();
         for pulse in 0..37 {
-            let (first, weights) = gain_weights(&places, pulse);
+            let (first, weights) = gain_weights(&places, pulse, &SlowTime::default());
             // A polynomial of the fifth degree is met: to rounding of values up to 1, weights below 3.
             let of = |m: usize| (m as f32 / 36.0).powi(5);
             let found: f32 = weights.iter().zip(&places[first..]).map(|(w, m)| w * of(*m)).sum();

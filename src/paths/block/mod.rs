@@ -38,16 +38,20 @@
 //! | part, mechanism | the Bragg or the specular part of the scattering, each turned by a phasor of its own |
 //! | bin | a frequency of a transform |
 
+mod bandwidth;
 mod factor;
 mod gain;
 mod instants;
 mod illuminate;
 mod epoch;
+mod forgetting;
 mod panels;
 mod phasors;
 pub mod runs;
 pub mod probe;
 mod shadows;
+mod slow_time;
+mod supports;
 mod tile;
 mod timing;
 mod travelling;
@@ -56,7 +60,7 @@ use std::sync::Arc;
 
 use super::sea::{SeaFailure, SeaPlan};
 pub use super::visibility::{Borders, ShareBorders};
-use super::{PathGenerator, Workspace};
+use super::{PairPlan, PathGenerator, Workspace};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Row};
 use crate::paths::emission::Emission;
@@ -70,6 +74,8 @@ use crate::sea::facet_surface::FacetSurface;
 use crate::sea::surface::{Fields, Selection};
 
 use epoch::View;
+use forgetting::Forgetting;
+pub use forgetting::{FACET_BYTES as FORGETTING_BYTES, ROOM_BYTES as FORGETTING_ROOM_BYTES};
 pub(in crate::paths) use gain::Sight;
 pub use instants::{
     EPOCH_POINTS, EPOCHS, EPOCHS_PER_NODE, GAIN_POINTS, Instants, NODES, SIDELOBE_NODES, Sidelobe, Tier,
@@ -79,7 +85,10 @@ pub use panels::PanelWork;
 use phasors::Phasors;
 use runs::{Cut, Run};
 use shadows::{Heights, Maker, ShadowWeights};
-pub use tile::{CHANNELS_PER_LAYER, Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of};
+pub use slow_time::SlowTime;
+use supports::SupportSets;
+pub use supports::{Supports, TAPS};
+pub use tile::{Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of, layers_of};
 use timing::Timings;
 use travelling::Part;
 
@@ -132,6 +141,8 @@ pub struct TileWork {
     keys: [[i64; 2]; LANES],
     /// What the tile at hand is of, where waves travel.
     part: Part,
+    /// Waves of facets that forget their phases.
+    forgetting: Forgetting,
     /// Land of the tile at hand.
     land: Box<LandRows>,
     /// Phasors of a group of facets, where waves travel.
@@ -141,6 +152,8 @@ pub struct TileWork {
     drop_m: [f64; LANES],
     fall: [Row; 2],
     kinds: Vec<(usize, f32)>,
+    /// Share of its power that a tile may lack at supports alone; `None` where every pulse is evaluated.
+    supports_within: Option<f64>,
     /// Whether facets that return nothing stay where they are.
     whole: bool,
     /// Facets of the tile that may return something, by their place in it.
@@ -175,8 +188,10 @@ impl PathGenerator {
         borders: Option<Arc<dyn ShareBorders>>,
     ) -> Option<Box<TileWork>> {
         let sea = self.sea.as_ref()?;
-        let channels: Vec<usize> = self.plans.iter().map(|plan| plan.channels.len()).collect();
-        let interval_s = self.radar.emissions.interval_s(0, 1);
+        let of = &self.radar.tx_polarisation;
+        let groups = |plan: &PairPlan| plan.channels.iter().map(|(_, tx, _)| of.group(Some(*tx))).collect();
+        let channels: Vec<Vec<u8>> = self.plans.iter().map(groups).collect();
+        let interval_s = self.radar.emissions.mean_pri_s();
         sea.tile_work(variant, &channels, interval_s, borders).map(Box::new)
     }
 
@@ -201,7 +216,7 @@ impl PathGenerator {
         let first = instants.first;
         let costs = &mut workspace.costs;
         costs.lap(Stage::Record);
-        sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
+        sea.prepare(patch, work).map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Surface);
         work.weigh_shadows(self, sea, instants, patch, Heights::Exact)
             .map_err(|failure| self.sea_error(first, failure))?;
@@ -240,16 +255,15 @@ impl PathGenerator {
     ) -> Tally {
         let mut tally = Tally::default();
         let Some(sea) = &self.sea else { return tally };
-        let first = Part::first(sea.scattering.travelling().is_some());
         let mut again = Tally::default();
         for runs in Cut::of(patch.facets).tiles() {
             let facets = work.take(runs) as u64;
             tally.facets += facets;
-            let (mut part, mut tally) = (Some(first), &mut tally);
+            let (mut part, mut tally) = (Some(sea.first_part()), &mut tally);
             while let Some(own) = part {
                 work.part = own;
                 self.evaluate_tile(sea, patch, work);
-                part = own.then(work.batch.reflects);
+                part = sea.part_after(own, work.batch.reflects);
                 if work.tile.tier == Tier::Sidelobe {
                     tally.sidelobe += facets;
                 }
@@ -271,7 +285,7 @@ impl SeaPlan {
     fn tile_work(
         &self,
         variant: Variant,
-        channels: &[usize],
+        channels: &[Vec<u8>],
         interval_s: f64,
         borders: Option<Arc<dyn ShareBorders>>,
     ) -> Option<TileWork> {
@@ -315,12 +329,14 @@ impl SeaPlan {
             places_m: [[0.0; LANES]; 2],
             keys: [[0; 2]; LANES],
             part: Part::Still,
+            forgetting: Forgetting::default(),
             land: LandRows::boxed(),
             turns: Vec::new(),
             bounds_m: [[0.0; 2]; 2],
             drop_m: [0.0; LANES],
             fall: [[0.0; LANES]; 2],
             kinds: Vec::with_capacity(LANES),
+            supports_within: None,
             whole: false,
             kept: Vec::with_capacity(LANES),
             slopes: [[[0.0; LANES]; 2]; NODES],
@@ -334,25 +350,21 @@ impl SeaPlan {
                 tier: Tier::Mainlobe,
                 instants: Instants::default(),
                 interval_s,
-                pairs: channels.iter().map(|&channels| Pair::new(channels)).collect(),
+                pairs: channels.iter().map(|groups| Pair::new(groups)).collect(),
+                slow: SlowTime::default(),
+                supports: SupportSets::default(),
+                chosen: None,
             },
         })
     }
 
     /// The surface and the ships at every node, and phasors of the patch.
-    fn prepare(
-        &self,
-        generator: &PathGenerator,
-        first: u64,
-        patch: &Patch,
-        work: &mut TileWork,
-    ) -> Result<(), SeaFailure> {
+    fn prepare(&self, patch: &Patch, work: &mut TileWork) -> Result<(), SeaFailure> {
         let TileWork { facet_surface, nodes, phasors, .. } = work;
         for node in nodes {
             facet_surface.evaluate(node.elapsed_s, patch, &mut node.fields)?;
         }
-        let elapsed_s = generator.radar.emissions.interval_s(0, first);
-        phasors.prepare(self, patch, elapsed_s);
+        phasors.prepare(self, patch);
         Ok(())
     }
 }
@@ -378,10 +390,16 @@ impl TileWork {
             of.evaluate(mainlobe.first + place as u64, &mut node.emission)?;
             node.elapsed_s = of.radar.emissions.interval_s(0, mainlobe.first + place as u64);
         }
-        self.timings.mainlobe.set(of, mainlobe, places)?;
+        of.slow_time(mainlobe.first, mainlobe.pulses, &mut self.tile.slow);
+        self.timings.mainlobe.set(of, mainlobe, places, &self.tile.slow)?;
+        self.supports_within = tiers.between;
+        match tiers.between {
+            Some(loss) => self.tile.supports.set(mainlobe.pulses, loss, &self.tile.slow),
+            None => self.tile.supports.clear(),
+        }
         self.sidelobe_below.clear();
         if let Some(sidelobe) = &tiers.sidelobe {
-            self.timings.sidelobe.set(of, sidelobe, places)?;
+            self.timings.sidelobe.set(of, sidelobe, places, &self.tile.slow)?;
             let share = 10f64.powf(tiers.below_db / 20.0);
             self.sidelobe_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
         }

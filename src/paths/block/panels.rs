@@ -9,6 +9,7 @@ use std::ops::Range;
 
 use super::gain::{Gains, Sighted};
 use super::instants::{NODES, through};
+use super::slow_time::SlowTime;
 use super::tile::Node;
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Paths, Row};
@@ -23,6 +24,8 @@ use crate::radar::polarisation::Axes;
 #[derive(Clone)]
 pub struct PanelWork {
     mesh: MeshWork,
+    /// When the pulses are.
+    slow: SlowTime,
     /// At the nodes.
     emissions: Vec<Emission>,
     own: Emission,
@@ -55,6 +58,7 @@ impl PathGenerator {
         let directions = || (0..NODES).map(|_| Node { paths: Paths::boxed() }).collect();
         Some(Box::new(PanelWork {
             mesh: MeshWork::new(variant),
+            slow: SlowTime::default(),
             emissions: vec![Emission::default(); NODES],
             own: Emission::default(),
             axes: Vec::with_capacity(pulses * antennas),
@@ -77,7 +81,8 @@ impl PathGenerator {
         work: &mut PanelWork,
         nodes: &mut [ScattererPaths],
     ) -> Result<(), RadarError> {
-        let PanelWork { mesh, emissions, own, axes, seen, factors, .. } = work;
+        let PanelWork { mesh, slow, emissions, own, axes, seen, factors, .. } = work;
+        self.slow_time(pulses.start, (pulses.end - pulses.start) as usize, slow);
         nodes.iter_mut().for_each(ScattererPaths::clear);
         self.see_ships(pulses.clone(), &mut mesh.sight)?;
         mesh.sight.seen(seen);
@@ -98,7 +103,7 @@ impl PathGenerator {
             let part = &work.seen[chunk * LANES..work.seen.len().min((chunk + 1) * LANES)];
             for (node, (emission, place)) in work.emissions.iter().zip(at).enumerate() {
                 let index = pulses.start + *place as u64;
-                let reception = self.reception(index, index, emission, Window::UNBOUNDED);
+                let reception = self.reception_of_all(index, emission, Window::UNBOUNDED);
                 let (mesh, paths) = (&mut work.mesh, &mut nodes[node]);
                 self.append_panels(
                     &reception,
@@ -127,7 +132,7 @@ impl PathGenerator {
 
     /// Factors over a pair of the panels from the first of a chunk on, at so many pulses.
     fn weigh_panels(&self, pair: usize, at: &[usize], (first, pulses): (usize, usize), work: &mut PanelWork) {
-        let PanelWork { mesh, axes, seen, directions, rows, factors, .. } = work;
+        let PanelWork { mesh, slow, axes, seen, directions, rows, factors, .. } = work;
         let part = &seen[first..seen.len().min(first + LANES)];
         let (count, antennas) = (part.len(), self.antennas.len());
         let plan = &self.plans[pair];
@@ -148,7 +153,7 @@ impl PathGenerator {
                 let (axes, change_per_s) = axes[pulse * antennas + antenna];
                 Sighted { antenna: &self.antennas[antenna], axes, change_per_s }
             });
-            let weights: [f32; NODES] = through(at, pulse);
+            let weights: [f32; NODES] = through(at, pulse, slow);
             Gains { count, ends, nodes, weights: &weights, out: gains }.find(mesh.variant);
             let to = &mut factors[pair][pulse * seen.len() + first..][..count];
             let seen = gains.iter().zip(&*before).zip(&*after);

@@ -28,7 +28,8 @@ impl Phasors {
         }
     }
 
-    pub fn prepare(&mut self, sea: &SeaPlan, patch: &Patch, t_s: f64) {
+    /// Those of a patch, at rest.
+    pub fn prepare(&mut self, sea: &SeaPlan, patch: &Patch) {
         if self.first == Some(patch.first) {
             return;
         }
@@ -43,7 +44,7 @@ impl Phasors {
                 let place = row + (first_column + ix) % nx;
                 if self.keys[place] != Some(key) {
                     self.keys[place] = Some(key);
-                    sea.scattering.phasors(key, t_s, &mut self.found);
+                    sea.scattering.phasors_at_rest(key, &mut self.found);
                     for (column, phasor) in self.kept.iter_mut().zip(&self.found) {
                         column[place] = [phasor.re as f32, phasor.im as f32];
                     }

@@ -102,7 +102,7 @@ impl PathGenerator {
         let first = instants.first;
         work.time(self, tiers)?;
         if !keep.surface {
-            sea.prepare(self, first, patch, work).map_err(|failure| self.sea_error(first, failure))?;
+            sea.prepare(patch, work).map_err(|failure| self.sea_error(first, failure))?;
         }
         if keep.shadows == Shadows::Without {
             work.shadow_updates.clear();

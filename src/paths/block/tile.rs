@@ -6,19 +6,34 @@
 use num_complex::Complex32;
 
 use super::instants::{Instants, Tier};
+use super::slow_time::SlowTime;
+use super::supports::{SupportSets, Supports};
 use super::{Sample, Tally};
 use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{LANES, Paths, Row, lanes_for};
 use crate::radar::window::Window;
 
 /// Channels of a layer: those of a pair that are spread together.
-pub const CHANNELS_PER_LAYER: usize = 4;
+pub(super) const CHANNELS_PER_LAYER: usize = 4;
 /// Most lanes of a layer.
 const LANES_PER_LAYER: usize = 2 * CHANNELS_PER_LAYER;
 
 /// Lanes of a layer of so many channels: real and imaginary part of each, a power of two.
 pub fn lanes_of(channels: usize) -> usize {
     (2 * channels).next_power_of_two()
+}
+
+/// Channels of a pair, each given by its group, that are spread together: those that the same pulses fill, up
+/// to [`CHANNELS_PER_LAYER`]. By their places among all channels of the pair.
+pub fn layers_of(groups: &[u8]) -> Vec<Vec<usize>> {
+    let mut known: Vec<u8> = groups.to_vec();
+    known.sort_unstable();
+    known.dedup();
+    let of_group = |group: u8| (0..groups.len()).filter(|n| groups[*n] == group).collect::<Vec<_>>();
+    let of_group = known.into_iter().map(of_group);
+    of_group
+        .flat_map(|own| own.chunks(CHANNELS_PER_LAYER).map(<[usize]>::to_vec).collect::<Vec<_>>())
+        .collect()
 }
 
 /// Scatterer paths of a block of pulses side by side: the facets of a tile, in the first [`Tile::count`]
@@ -32,8 +47,14 @@ pub struct Tile {
     pub tier: Tier,
     /// When: pulses of its nodes and scattering epochs.
     pub instants: Instants,
-    /// Time from pulse to pulse, s.
+    /// Mean time from pulse to pulse, s.
     pub interval_s: f64,
+    /// When its pulses are.
+    pub slow: SlowTime,
+    /// At which pulses tiles of this block may be evaluated alone.
+    pub(super) supports: SupportSets,
+    /// Which of these this one has; `None`: it is evaluated at every pulse.
+    pub(super) chosen: Option<usize>,
     /// Per transmitter-receiver pair.
     pub pairs: Vec<Pair>,
 }
@@ -48,40 +69,44 @@ pub struct Node {
 /// A tile at a scattering epoch, over one pair.
 #[derive(Clone)]
 pub struct Epoch {
-    /// Amplitudes of the channels of the pair, without gains that are real numbers and without shadows: by
-    /// [`CHANNELS_PER_LAYER`].
+    /// Amplitudes of the channels of the pair, without gains that are real numbers and without shadows: as
+    /// [`layers_of`] has them.
     pub layers: Vec<Layer>,
     /// Largest power of any channel, W.
     pub(super) power: Row,
     /// Cosines of the local angles to both antennas.
     pub cosine: [Row; 2],
-    channels: usize,
 }
 
 impl Epoch {
-    fn new(channels: usize) -> Self {
-        let layers = (0..channels).step_by(CHANNELS_PER_LAYER);
-        let layers = layers.map(|from| Layer::new((channels - from).min(CHANNELS_PER_LAYER))).collect();
-        Self { layers, power: [0.0; LANES], cosine: [[0.0; LANES]; 2], channels }
+    fn new(layers: &[Vec<usize>]) -> Self {
+        let layers = layers.iter().map(|channels| Layer::new(channels.clone())).collect();
+        Self { layers, power: [0.0; LANES], cosine: [[0.0; LANES]; 2] }
+    }
+
+    fn channels(&self) -> usize {
+        self.layers.iter().map(|layer| layer.channels.len()).sum()
     }
 
     /// Amplitude of a facet in a channel of the pair, sqrt(W).
     pub fn amplitude(&self, channel: usize, facet: usize) -> Complex32 {
-        let layer = &self.layers[channel / CHANNELS_PER_LAYER];
-        let at = facet * layer.lanes + 2 * (channel % CHANNELS_PER_LAYER);
+        let of = |layer: &Layer| Some((layer.channels.iter().position(|own| *own == channel)?, layer.lanes));
+        let found = self.layers.iter().find_map(|layer| of(layer).map(|at| (layer, at)));
+        let Some((layer, (place, lanes))) = found else { return Complex32::ZERO };
+        let at = facet * lanes + 2 * place;
         Complex32::new(layer.values.0[at], layer.values.0[at + 1])
     }
 
     /// Multiplies the amplitudes of a facet.
     pub(super) fn scale(&mut self, facet: usize, by: Complex32) {
         self.layers.iter_mut().for_each(|layer| layer.scale(facet, by));
-        let powers = (0..self.channels).map(|channel| self.amplitude(channel, facet).norm_sqr());
+        let powers = (0..self.channels()).map(|channel| self.amplitude(channel, facet).norm_sqr());
         self.power[facet] = powers.fold(0.0, f32::max);
     }
 
     /// Amplitudes channel by channel, real and imaginary.
     pub fn rows(&self) -> Vec<[Row; 2]> {
-        let mut rows = vec![[[0.0; LANES]; 2]; self.channels];
+        let mut rows = vec![[[0.0; LANES]; 2]; self.channels()];
         for (channel, [re, im]) in rows.iter_mut().enumerate() {
             for i in 0..LANES {
                 let own = self.amplitude(channel, i);
@@ -97,6 +122,8 @@ impl Epoch {
 /// zero.
 #[derive(Clone)]
 pub struct Layer {
+    /// Places among the channels of the pair.
+    channels: Vec<usize>,
     lanes: usize,
     values: Box<Lined>,
 }
@@ -107,8 +134,14 @@ pub struct Layer {
 struct Lined([f32; LANES_PER_LAYER * LANES]);
 
 impl Layer {
-    fn new(channels: usize) -> Self {
-        Self { lanes: lanes_of(channels), values: Box::new(Lined([0.0; LANES_PER_LAYER * LANES])) }
+    fn new(channels: Vec<usize>) -> Self {
+        let lanes = lanes_of(channels.len());
+        Self { channels, lanes, values: Box::new(Lined([0.0; LANES_PER_LAYER * LANES])) }
+    }
+
+    /// Its channels, by their places among those of the pair.
+    pub fn channels(&self) -> &[usize] {
+        &self.channels
     }
 
     /// Lanes: 2, 4 or 8.
@@ -160,17 +193,23 @@ pub struct Pair {
     /// The same of scattering epochs.
     pub(super) epochs: Vec<Epoch>,
     pub(super) epoch_count: usize,
-    /// Per pulse: what multiplies the amplitudes.
+    /// Per pulse, or support where the tile has any: what multiplies the amplitudes.
     pub factor: Vec<Row>,
-    /// Per pulse, real and imaginary: what turns Bragg waves that travel; empty where they do not.
+    /// As often, real and imaginary: what turns Bragg waves that travel; empty where they do not.
     pub turned: Vec<[TurnedRow; 2]>,
-    channels: usize,
+    layers: Vec<Vec<usize>>,
 }
 
 impl Pair {
-    pub(super) fn new(channels: usize) -> Self {
+    /// Of channels of some groups.
+    pub(super) fn new(groups: &[u8]) -> Self {
         let (nodes, epochs, factor) = (Vec::new(), Vec::new(), Vec::new());
-        Self { nodes, node_count: 0, epochs, epoch_count: 0, factor, turned: Vec::new(), channels }
+        let layers = layers_of(groups);
+        Self { nodes, node_count: 0, epochs, epoch_count: 0, factor, turned: Vec::new(), layers }
+    }
+
+    fn channels(&self) -> usize {
+        self.layers.iter().map(Vec::len).sum()
     }
 
     /// At every node.
@@ -184,9 +223,9 @@ impl Pair {
     }
 
     pub(super) fn resize(&mut self, nodes: usize, epochs: usize, pulses: usize) {
-        let channels = self.channels;
+        let layers = &self.layers;
         self.nodes.resize_with(nodes, || Node { paths: Paths::boxed() });
-        self.epochs.resize_with(epochs, || Epoch::new(channels));
+        self.epochs.resize_with(epochs, || Epoch::new(layers));
         self.factor.resize(pulses, [0.0; LANES]);
     }
 
@@ -201,7 +240,7 @@ impl Pair {
         if let (Some(node), Some(epoch), Some(factor)) = middle {
             for i in 0..count {
                 let of = |channel| f64::from(epoch.amplitude(channel, i).norm_sqr());
-                let own = (0..self.channels).map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
+                let own = (0..self.channels()).map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
                 if own.is_finite() && node.paths.delay_rate[i].is_finite() {
                     let own = own * window.share(node.paths.delay_s[i]);
                     sample.received_power_w += own;
@@ -267,6 +306,39 @@ impl Task for Bounds<'_> {
 }
 
 impl Tile {
+    /// Phase about which it turns over a pair at every pulse of the block, turns: that of the middle of its
+    /// Doppler, from the first pulse on.
+    pub fn middle_turns(&self, pair: usize, carrier_hz: f64, out: &mut Vec<f64>) {
+        let (pair, nodes) = (&self.pairs[pair], &self.instants.nodes[..self.instants.node_count]);
+        let middle = |[least, most]: [f64; 2]| 0.5 * (least + most);
+        out.clear();
+        let mut before = 0.0;
+        for n in 0..nodes.len() {
+            let Some(next) = nodes.get(n + 1) else { continue };
+            let [from, to] = [self.slow.at(nodes[n]), self.slow.at(*next)];
+            let half_s = 0.5 * (to - from) * self.interval_s;
+            let span = |node, half| middle(pair.rate_span(self.count, node, half, 2.0 * half_s));
+            // Straight from the node to half-way, and from there to the next.
+            let rates = [span(n, false), span(n, true), span(n + 1, false)];
+            let delay_s = |x: f64| {
+                let (a, b) = (x.min(1.0), (x - 1.0).max(0.0));
+                let first = a * (rates[0] + 0.5 * a * (rates[1] - rates[0]));
+                half_s * (first + b * (rates[1] + 0.5 * b * (rates[2] - rates[1])))
+            };
+            let end = if n + 2 == nodes.len() { self.instants.pulses } else { *next };
+            for pulse in nodes[n]..end {
+                let x = 2.0 * (self.slow.at(pulse) - from) / (to - from);
+                out.push(before - carrier_hz * delay_s(x));
+            }
+            before -= carrier_hz * delay_s(2.0);
+        }
+    }
+
+    /// The pulses at which it was evaluated, where these are not all.
+    pub fn supports(&self) -> Option<&Supports> {
+        self.chosen.and_then(|chosen| self.supports.get(chosen))
+    }
+
     /// Leaves out facets that add nothing to the echo.
     pub(super) fn thin_out(&mut self, variant: Variant, samples: &[Sample], least: f64, tally: &mut Tally) {
         let mut wanted = [false; LANES];
@@ -310,7 +382,7 @@ mod tests {
     #[test]
     fn facets_that_stay_keep_all_they_have() {
         for channels in 1..=5 {
-            let mut pair = Pair::new(channels);
+            let mut pair = Pair::new(&vec![0; channels]);
             pair.resize(1, 1, 1);
             (pair.node_count, pair.epoch_count) = (1, 1);
             // Every third facet returns something.
@@ -328,7 +400,16 @@ mod tests {
             }
             let instants = Instants::of_block(0, 1, 1, 1);
             let pairs = vec![pair];
-            let mut tile = Tile { count: 250, tier: Tier::Mainlobe, instants, interval_s: 1.0, pairs };
+            let mut tile = Tile {
+                count: 250,
+                tier: Tier::Mainlobe,
+                instants,
+                interval_s: 1.0,
+                slow: SlowTime::default(),
+                supports: SupportSets::default(),
+                chosen: None,
+                pairs,
+            };
             let mut tally = Tally::default();
             tile.thin_out(Variant::fastest(), &[Sample::default()], 0.0, &mut tally);
             let kept: Vec<usize> = (0..250usize).filter(|i| i.is_multiple_of(3)).collect();

@@ -3,6 +3,7 @@
 use super::instants::{
     EPOCH_POINTS, GAIN_POINTS, Instants, NODES, Tier, epochs_about, gain_instants, gain_weights, through,
 };
+use super::slow_time::SlowTime;
 use crate::paths::PathGenerator;
 use crate::paths::emission::Emission;
 use crate::radar::fault::RadarError;
@@ -62,6 +63,7 @@ impl Timing {
         of: &PathGenerator,
         instants: &Instants,
         places: &[usize],
+        slow: &SlowTime,
     ) -> Result<(), RadarError> {
         let own = &instants.nodes[..instants.node_count];
         self.instants = *instants;
@@ -71,7 +73,7 @@ impl Timing {
         self.gain_places.clear();
         self.gain_places.extend(gain_instants(instants.pulses, instants.gain_pulses));
         for (n, &place) in self.gain_places.iter().enumerate() {
-            let weights = through(own, place);
+            let weights = through(own, place, slow);
             if n == self.gains.len() {
                 self.gains.push(GainInstant { emission: Emission::default(), weights });
             }
@@ -81,7 +83,7 @@ impl Timing {
         }
         let epochs = &instants.epochs[..instants.epoch_count];
         for (n, &place) in epochs.iter().enumerate() {
-            let weights = through(own, place);
+            let weights = through(own, place, slow);
             if n == self.epochs.len() {
                 self.epochs.push(EpochInstant { emission: Emission::default(), weights, poses: Vec::new() });
             }
@@ -96,10 +98,10 @@ impl Timing {
         self.lagrange.clear();
         self.cosines.clear();
         for pulse in 0..instants.pulses {
-            self.lagrange.push(gain_weights(&self.gain_places, pulse));
+            self.lagrange.push(gain_weights(&self.gain_places, pulse, slow));
             let first = epochs_about(epochs, pulse..=pulse);
             let points = EPOCH_POINTS.min(epochs.len());
-            self.cosines.push((first, through(&epochs[first..first + points], pulse)));
+            self.cosines.push((first, through(&epochs[first..first + points], pulse, slow)));
         }
         Ok(())
     }

@@ -1,4 +1,5 @@
-//! Bragg waves that travel, over a block: what turns the amplitudes of a tile from pulse to pulse.
+//! Bragg waves that travel, and facets that forget their phases, over a block: what turns the amplitudes of a
+//! tile from pulse to pulse.
 //!
 //! Amplitudes at the scattering epochs have the phases of facets at rest, and are as slow as those of waves
 //! that are frozen; phasors turn faster than epochs lie, and are found at every pulse
@@ -7,6 +8,7 @@
 //! itself: of a wide patch only the few below an antenna may have them, and return most of the echo.
 
 use super::TileWork;
+use super::forgetting::SumWaves;
 use super::tile::{Pair, TURNED_LANES, TurnedRow};
 use crate::cpu::Task;
 use crate::geometry::lanes::{Paths, Row};
@@ -15,6 +17,7 @@ use crate::paths::sea::SeaPlan;
 use crate::scattering::bragg::block::{BlockPhasors, Phasors, Times};
 use crate::scattering::bragg::group::{GROUP, Looks};
 use crate::scattering::bragg::{BraggLines, Mechanism};
+use crate::scattering::facets::Phases;
 use crate::scattering::lanes::Batch;
 
 /// What a tile is of.
@@ -26,55 +29,95 @@ pub(super) enum Part {
     Bragg,
     /// Specular points.
     Specular,
+    /// A mechanism whose phases are forgotten.
+    Forgetting(usize),
 }
 
 impl Part {
-    /// What a tile is of at first.
-    pub fn first(travelling: bool) -> Self {
-        if travelling { Self::Bragg } else { Self::Still }
-    }
-
-    /// What else there is of a tile, which had specular points or not.
-    pub fn then(self, reflects: bool) -> Option<Self> {
-        (self == Self::Bragg && reflects).then_some(Self::Specular)
-    }
-
-    /// Takes the phasors of the other part away.
     pub fn choose(self, batch: &mut Batch) {
         let gone = match self {
             Self::Still => 0..0,
             Self::Bragg => 0..1,
             Self::Specular => 1..batch.phasor.len(),
+            Self::Forgetting(_) => 0..batch.phasor.len(),
         };
         batch.phasor[gone].as_flattened_mut().iter_mut().for_each(|row| row.fill(0.0));
+        if let Self::Forgetting(mechanism) = self {
+            batch.phasor[mechanism][0].fill(1.0);
+        }
     }
 
-    fn mechanism(self) -> Option<Mechanism> {
+    pub fn mechanism(self) -> Option<Mechanism> {
         match self {
-            Self::Still => None,
+            Self::Still | Self::Forgetting(_) => None,
             Self::Bragg => Some(Mechanism::Bragg),
             Self::Specular => Some(Mechanism::Specular),
         }
     }
 }
 
+impl SeaPlan {
+    /// What a tile is of at first.
+    pub(super) fn first_part(&self) -> Part {
+        let several = self.lanes.phases() != Phases::Single && self.scattering.mechanisms() > 1;
+        match (self.scattering.decorrelates(), self.scattering.travelling().is_some()) {
+            (true, _) => Part::Forgetting(usize::from(several)),
+            (false, true) => Part::Bragg,
+            (false, false) => Part::Still,
+        }
+    }
+
+    /// What else there is of a tile, which had specular points or not.
+    pub(super) fn part_after(&self, part: Part, reflects: bool) -> Option<Part> {
+        match part {
+            Part::Bragg if reflects => Some(Part::Specular),
+            Part::Still | Part::Bragg | Part::Specular | Part::Forgetting(0) => None,
+            Part::Forgetting(own) if own + 1 < self.scattering.mechanisms() => {
+                Some(Part::Forgetting(own + 1))
+            }
+            Part::Forgetting(_) => reflects.then_some(Part::Forgetting(0)),
+        }
+    }
+
+    /// Whether land, which rests, is in the part.
+    pub(super) fn has_land(&self, part: Part) -> bool {
+        part == Part::Still || part == self.first_part()
+    }
+}
+
 impl PathGenerator {
+    /// How often a tile without specular points is handed over.
+    pub fn parts_of_tiles(&self) -> usize {
+        self.sea.as_ref().map_or(1, |sea| {
+            std::iter::successors(Some(sea.first_part()), |part| sea.part_after(*part, false)).count()
+        })
+    }
+
     /// What turns the part of the tile at every pulse.
     pub(super) fn turn(&self, sea: &SeaPlan, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, part, land, timings, nodes, keys, turns, tile, .. } = work;
+        let TileWork { variant, part, land, timings, nodes, keys, turns, forgetting, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let Pair { nodes: paths, node_count, factor, turned, .. } = &mut tile.pairs[pair];
-        let (Some(lines), Some(mechanism)) = (sea.scattering.travelling(), part.mechanism()) else {
+        let lines = sea.scattering.travelling().zip(part.mechanism());
+        if lines.is_none() && !matches!(part, Part::Forgetting(_)) {
             turned.clear();
             return;
-        };
+        }
         turned.resize(factor.len(), [[0.0; TURNED_LANES]; 2]);
         turns.resize(factor.len(), [[0.0; GROUP]; 2]);
         let ends = [&*paths[0].paths, &*paths[*node_count - 1].paths];
-        let times = Times { first_s: nodes[timing.nodes[0]].elapsed_s, interval_s: tile.interval_s };
+        let supports = tile.chosen.and_then(|chosen| tile.supports.get(chosen));
+        let uneven = supports.map_or(tile.slow.uneven(), |own| own.at());
+        let times = Times { first_s: nodes[timing.nodes[0]].elapsed_s, interval_s: tile.interval_s, uneven };
         for from in (0..tile.count).step_by(GROUP) {
             let keys = &keys[from..tile.count.min(from + GROUP)];
-            variant.run(TurnGroup { lines, mechanism, from, keys, ends, times, turns, turned });
+            if let Some((lines, mechanism)) = lines {
+                variant.run(TurnGroup { lines, mechanism, from, keys, ends, times, turns, turned });
+            } else if let Part::Forgetting(mechanism) = *part {
+                let waves = forgetting.waves(&sea.scattering, mechanism, keys, sea.patch.facets);
+                variant.run(SumWaves { waves: &waves, times, out: &mut *turns });
+                put(from, turns, turned);
+            }
         }
         // Land rests.
         for i in (0..if land.count > 0 { tile.count } else { 0 }).filter(|i| land.land[*i] > 0.0) {
@@ -94,7 +137,7 @@ struct TurnGroup<'a> {
     keys: &'a [[i64; 2]],
     /// Paths at the first pulse and at the last.
     ends: [&'a Paths; 2],
-    times: Times,
+    times: Times<'a>,
     turns: &'a mut [Phasors],
     /// Of every pulse.
     turned: &'a mut [[TurnedRow; 2]],
@@ -116,11 +159,17 @@ impl Task for TurnGroup<'_> {
             }
         }
         BlockPhasors { lines, mechanism, keys, looks: &looks, times, out: &mut *turns }.run();
-        for (turned, turns) in turned.iter_mut().zip(&*turns) {
-            for (turned, turns) in turned.iter_mut().zip(turns) {
-                if let Some(turned) = turned[from..].first_chunk_mut() {
-                    *turned = *turns;
-                }
+        put(from, turns, turned);
+    }
+}
+
+/// Phasors of a group to where they stand.
+#[inline(always)]
+fn put(from: usize, turns: &[Phasors], turned: &mut [[TurnedRow; 2]]) {
+    for (turned, turns) in turned.iter_mut().zip(turns) {
+        for (turned, turns) in turned.iter_mut().zip(turns) {
+            if let Some(turned) = turned[from..].first_chunk_mut() {
+                *turned = *turns;
             }
         }
     }

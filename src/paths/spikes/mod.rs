@@ -154,7 +154,7 @@ impl PathGenerator {
         let Workspace { own, amplitude, .. } = workspace;
         self.evaluate(index, own)?;
         let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
-        let reception = self.reception(index, index, own, window);
+        let reception = self.reception_of_all(index, own, window);
         let weight = |antenna: usize, facet| tiles.seen_from(antenna, pulse).of(facet);
         let appended = self.append_breakers(sea, &reception, patch, weight, amplitude, paths);
         appended.map_err(|failure| self.sea_error(index, failure))

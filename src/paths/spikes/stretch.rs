@@ -21,7 +21,7 @@ use num_complex::Complex64;
 use super::{Moves, between};
 use crate::frames::Earth;
 use crate::geometry::light_time::{LightTime, Path, bistatic};
-use crate::paths::block::{NODES, Sight, TileWork};
+use crate::paths::block::{NODES, Sight, SlowTime, TileWork};
 use crate::paths::breaking::{BreakingPlan, Riding};
 use crate::paths::emission::Emission;
 use crate::paths::list::ScattererPaths;
@@ -45,6 +45,7 @@ pub(in crate::paths) struct Buffers {
     emissions: Vec<Emission>,
     /// After pulse 0.
     elapsed_s: Vec<f64>,
+    slow: SlowTime,
     /// Of a wave at every pulse.
     envelope: Vec<f64>,
     /// Transmitter and receiver, `[pulse][pair]`.
@@ -67,8 +68,9 @@ pub struct Stretch<'a> {
 struct Slopes([[f64; NODES]; 2]);
 
 impl Slopes {
-    fn through(nodes: &[usize]) -> Self {
-        let at = |n: usize| nodes[n] as f64;
+    /// Of nodes at some pulses, `slow` being when these are.
+    fn through(nodes: &[usize], slow: &SlowTime) -> Self {
+        let at = |n: usize| slow.at(nodes[n]);
         let of = |own: usize| {
             let mut weights = [0.0; NODES];
             for j in (0..nodes.len()).filter(|j| *j != own) {
@@ -130,14 +132,16 @@ impl PathGenerator {
         if !self.gains_are_real() {
             return Ok(false);
         }
-        let Workspace { stretch: Buffers { emissions, elapsed_s, envelope, sights }, amplitude, .. } =
-            workspace;
+        let Workspace {
+            stretch: Buffers { emissions, elapsed_s, slow, envelope, sights }, amplitude, ..
+        } = workspace;
         let first = stretch.block + stretch.pulses.start as u64;
         let count = stretch.pulses.len();
         emissions.resize_with(count.max(emissions.len()), Emission::default);
         for (index, emission) in (first..).zip(&mut emissions[..count]) {
             self.evaluate(index, emission)?;
         }
+        self.slow_time(first, count, slow);
         elapsed_s.clear();
         elapsed_s.extend((first..).take(count).map(|index| self.radar.emissions.interval_s(0, index)));
         let mut windows = [Window::new(&self.radar, 0.0, self.pulse_length_s); NODES];
@@ -154,10 +158,10 @@ impl PathGenerator {
             emissions: &emissions[..count],
             sights,
             windows: &windows[..stretch.nodes.len()],
-            first,
             elapsed_s,
-            interval_s: self.radar.emissions.interval_s(0, 1),
-            slopes: Slopes::through(stretch.nodes),
+            interval_s: self.radar.emissions.mean_pri_s(),
+            slow,
+            slopes: Slopes::through(stretch.nodes, slow),
         };
         envelope.resize(count, 0.0);
         made.all(breaking, nodes, (amplitude, envelope), factors)
@@ -199,10 +203,10 @@ struct Making<'a> {
     sights: &'a [[Sight; 2]],
     /// Of every node.
     windows: &'a [Window],
-    first: u64,
     /// Of every pulse, after pulse 0.
     elapsed_s: &'a [f64],
     interval_s: f64,
+    slow: &'a SlowTime,
     slopes: Slopes,
 }
 
@@ -255,7 +259,7 @@ impl Making<'_> {
 
     /// Appends the paths of a breaker at the nodes; returns whether they are smooth.
     fn at_nodes(&self, riding: &Riding, nodes: &mut [ScattererPaths], amplitude: &mut [Complex64]) -> bool {
-        let Self { of, sea, stretch, emissions, windows, .. } = *self;
+        let Self { of, sea, stretch, emissions, windows, slow, .. } = *self;
         let (permittivity, places) = (sea.scattering.permittivity(), stretch.nodes);
         let mut smooth = true;
         for (pair, plan) in of.plans.iter().enumerate() {
@@ -270,7 +274,7 @@ impl Making<'_> {
                 within |= window.touches(path.delay_s);
             }
             let paths = &paths[..places.len()];
-            let lasts = (places[places.len() - 1] - places[0]) as f64;
+            let lasts = slow.at(places[places.len() - 1]) - slow.at(places[0]);
             let off_rad = std::f64::consts::TAU * of.radar.carrier_hz * lasts / 18.0
                 * self.slopes.off_s(paths, self.interval_s);
             smooth &= !within || (off_rad <= PHASE_RAD && !turns(&paths[0], &paths[paths.len() - 1]));
@@ -278,13 +282,12 @@ impl Making<'_> {
                 node.delay_s[pair].push(path.delay_s);
                 node.delay_rate[pair].push(path.delay_rate);
                 amplitude.fill(Complex64::ZERO);
-                let tx_pol = of.radar.tx_polarisation.of_pulse(self.first + place as u64);
-                if within && plan.receives(tx_pol) {
+                if within {
                     let moves = Moves::of(riding, self.earth(), self.elapsed_s[place]);
                     let matrix = Some(moves.matrix(self.earth(), permittivity, &riding.breaker, path));
                     let scale = Complex64::from(plan.link.scattered_over(path));
                     let emission = &emissions[place];
-                    of.polarised(plan, (path, None), matrix.as_ref(), scale, tx_pol, emission, amplitude);
+                    of.polarised(plan, (path, None), matrix.as_ref(), scale, None, emission, amplitude);
                 }
                 for (channel, ..) in &plan.channels {
                     node.amplitude[*channel].push(amplitude[*channel]);

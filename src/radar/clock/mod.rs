@@ -29,8 +29,8 @@
 //! `y = 1e-9` in X band it is 1e-5 (-100 dB).
 //!
 //! ```
-//! use nereus::radar::clock::{adev, preset};
-//! let rubidium = preset("rubidium").unwrap();
+//! use nereus::radar::clock::{Oscillator, adev};
+//! let rubidium = Oscillator::Rubidium.noise_h();
 //! assert!((adev(&rubidium, 100.0, 100.0) / 2e-12 - 1.0).abs() < 1e-12);
 //! ```
 
@@ -49,7 +49,7 @@ use crate::scene::clock::Clocks;
 use crate::scene::radar::Pair;
 use crate::time::PulseTimes;
 
-pub use noise::{adev, preset};
+pub use noise::{Oscillator, adev};
 
 /// Greatest relative error by what is left out.
 pub const MOST_NEGLECTED: f64 = 1e-2;

@@ -21,9 +21,9 @@
 //! 3 h_2 f_h/(4 pi^2 tau^2)`.
 //!
 //! ```
-//! use nereus::radar::clock::noise::{adev, preset};
+//! use nereus::radar::clock::noise::{Oscillator, adev};
 //! // The flicker floor of an ovenised crystal is level.
-//! let ocxo = preset("ocxo").unwrap();
+//! let ocxo = Oscillator::Ocxo.noise_h();
 //! assert!((adev(&ocxo, 1.0, 100.0) - 2e-12).abs() < 1e-24 && (adev(&ocxo, 50.0, 100.0) - 2e-12).abs() < 1e-24);
 //! ```
 
@@ -43,18 +43,31 @@ const LONGEST_S: f64 = 1e6;
 /// Shortest of these times, of a mean interval.
 const SHORTEST: f64 = 1.0 / 64.0;
 
-/// Noise of a kind of oscillator: `ocxo` 2e-12 and `tcxo` 1e-9 at 1 s, flickering in frequency; `gpsdo` 1e-11
-/// and `rubidium` 2e-11 at 1 s, white in frequency. Typical figures, at 1 s; others are beside them within a
-/// factor of three.
-pub fn preset(name: &str) -> Option<[f64; 5]> {
-    let flicker = |sigma: f64| [0.0, sigma * sigma / (2.0 * LN_2), 0.0, 0.0, 0.0];
-    let white = |sigma: f64| [0.0, 0.0, 2.0 * sigma * sigma, 0.0, 0.0];
-    match name {
-        "ocxo" => Some(flicker(2e-12)),
-        "tcxo" => Some(flicker(1e-9)),
-        "gpsdo" => Some(white(1e-11)),
-        "rubidium" => Some(white(2e-11)),
-        _ => None,
+/// A kind of oscillator, with its typical Allan deviation at 1 s; others are beside it within a factor of three.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Oscillator {
+    /// Ovenised crystal: 2e-12, flickering in frequency.
+    Ocxo,
+    /// Temperature-compensated crystal: 1e-9, flickering in frequency.
+    Tcxo,
+    /// Disciplined by satellites: 1e-11, white in frequency.
+    Gpsdo,
+    /// Rubidium: 2e-11, white in frequency.
+    Rubidium,
+}
+
+impl Oscillator {
+    /// Its noise, `h_-2` to `h_2`.
+    pub fn noise_h(self) -> [f64; 5] {
+        let flicker = |sigma: f64| [0.0, sigma * sigma / (2.0 * LN_2), 0.0, 0.0, 0.0];
+        let white = |sigma: f64| [0.0, 0.0, 2.0 * sigma * sigma, 0.0, 0.0];
+        match self {
+            Self::Ocxo => flicker(2e-12),
+            Self::Tcxo => flicker(1e-9),
+            Self::Gpsdo => white(1e-11),
+            Self::Rubidium => white(2e-11),
+        }
     }
 }
 

@@ -173,6 +173,13 @@ impl BraggLines {
         [line(roots[0], omega_radps), line(roots[1], -omega_radps)]
     }
 
+    /// How far the lines of a mechanism reach off the Doppler of their facet, rad/s.
+    pub fn reach_radps(&self, mechanism: Mechanism, incident: DVec3, scattered: DVec3) -> f64 {
+        let reach = |line: Line| line.centre_radps.abs() + self.comb.end_radps(line.deviation_radps);
+        let lines = self.lines(mechanism, incident, scattered).into_iter();
+        lines.filter(|line| line.amplitude != 0.0).map(reach).fold(0.0, f64::max)
+    }
+
     /// Random number of the facet with a global key.
     #[inline(always)]
     fn number_of(&self, key: [i64; 2]) -> u64 {

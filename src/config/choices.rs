@@ -1,0 +1,153 @@
+//! Closed choices: every word that a key may hold, once, with the value that it stands for.
+//!
+//! [`Section::choice`](super::section::Section::choice) gives the value. Whoever matches on it names every
+//! word, so the compiler points at what a new one has not reached.
+
+pub(super) use crate::echo::synth::doppler::Doppler;
+pub(super) use crate::motion::errors::preset::Class;
+pub(super) use crate::motion::errors::{Between, Recorded};
+pub(super) use crate::nav::{FileFormat, MotionBounds};
+pub(super) use crate::radar::clock::Oscillator;
+pub(super) use crate::scene::radar::{AimFrom, Sweep};
+pub(super) use crate::scene::sea::{Averaging, Breaking, LightWinds, Permittivity, Phases, Splitting, Waves};
+pub(super) use crate::scene::ship::UpAxis;
+pub(super) use crate::scene::water::WindProfile;
+pub(super) use crate::sinks::OnFailure;
+pub(super) use crate::sinks::vita49::Profile;
+pub(super) use crate::sinks::zmq::Messages;
+pub(super) use crate::transport::{Pace, Policy};
+
+/// A value that is written as one of some words.
+pub(super) trait Choice: Copy + PartialEq + 'static {
+    /// The words in the order of the manual.
+    const WORDS: &'static [(&'static str, Self)];
+
+    /// The value of a word.
+    fn named(word: &str) -> Option<Self> {
+        Self::WORDS.iter().find(|(known, _)| *known == word).map(|(_, value)| *value)
+    }
+
+    /// The word of a value.
+    fn word(self) -> &'static str {
+        Self::WORDS.iter().find(|(_, value)| *value == self).map_or("", |(word, _)| word)
+    }
+}
+
+/// The words of a choice.
+pub(super) fn words<C: Choice>() -> Vec<&'static str> {
+    C::WORDS.iter().map(|(word, _)| *word).collect()
+}
+
+/// Words of types that stand elsewhere, or that hold more than a word.
+macro_rules! words {
+    ($($choice:ty { $($word:literal = $value:expr),+ })*) => {
+        $(impl Choice for $choice {
+            const WORDS: &'static [(&'static str, Self)] = &[$(($word, $value)),+];
+        })*
+    };
+}
+
+/// Choices that nothing but the reader of a scenario knows.
+macro_rules! choices {
+    ($($choice:ident { $($value:ident = $word:literal),+ })*) => {
+        $(#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(super) enum $choice { $($value),+ })*
+        words! { $($choice { $($word = Self::$value),+ })* }
+    };
+}
+
+choices! {
+    Begin { Now = "now", Live = "live" }
+    EarthShape { Flat = "flat", Curved = "curved" }
+    PatchKind { Fixed = "fixed", Follow = "follow" }
+    AimKind { At = "at", Beside = "beside" }
+    WaveformKind { Lfm = "lfm", File = "file" }
+    TxKind { Simultaneous = "simultaneous", Alternating = "alternating" }
+    SignalKind { Tone = "tone", Loopback = "loopback" }
+    PatternKind { Isotropic = "isotropic", Rectangle = "rectangle", Ellipse = "ellipse", Circle = "circle", File = "file" }
+    DatumKind { Ellipsoid = "ellipsoid", MeanSeaLevel = "msl", Barometric = "barometric" }
+    AttitudeKind { Recorded = "recorded", CoordinatedTurn = "coordinated_turn", Level = "level", Constant = "constant" }
+    SmoothingKind { Off = "off", Rts = "rts" }
+    GustLevel { Light = "light", Moderate = "moderate", Severe = "severe" }
+    SpectrumName {
+        Elfouhaily = "elfouhaily", ElfouhailyFungLee = "elfouhaily-fung-lee", FungLee = "fung-lee",
+        PiersonMoskowitz = "pierson-moskowitz", Jonswap = "jonswap", Measured = "measured"
+    }
+    SpreadingLaw { Mitsuyasu = "mitsuyasu", Elfouhaily = "elfouhaily", Constant = "constant" }
+    SpectrumTail { Elfouhaily = "elfouhaily", None = "none" }
+    BraggKind { Frozen = "frozen", Travelling = "travelling" }
+    ModulationKind { Off = "off", Relaxation = "relaxation" }
+    ShadowEdge { Soft = "soft", Sharp = "sharp" }
+    SwellKind { Gaussian = "gaussian", Jonswap = "jonswap" }
+    Terrain {
+        Flat = "flat", Farmland = "farmland", RollingHills = "rolling-hills", WoodedHills = "wooded-hills",
+        Urban = "urban", Mountains = "mountains"
+    }
+    RideKind { Level = "level", Waves = "waves" }
+    Alignment { Forward = "fsa", Back = "bsa" }
+    EchoKind { Reference = "reference", Fast = "fast" }
+    PacerPriority { Realtime = "realtime", Normal = "normal" }
+    SinkKind {
+        Hdf5 = "hdf5", Plain = "plain", Crsd = "crsd", Vita49 = "vita49", Shm = "shm", Zmq = "zmq", Nav = "nav",
+        Null = "null"
+    }
+    NavFormat { Nmea = "nmea", InspvaxAscii = "inspvaxa", InspvaxBinary = "inspvaxb" }
+}
+
+/// How an antenna is pointed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PointingKind {
+    Fixed,
+    Aimed(AimKind),
+}
+
+/// What a patch follows: an aim point, one of them by a word of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Followed(pub(super) AimKind);
+
+/// Where a track comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TrackKind {
+    Fixed,
+    Straight,
+    Recorded(FileFormat),
+    Live,
+}
+
+words! {
+    PointingKind {
+        "fixed" = Self::Fixed, "at" = Self::Aimed(AimKind::At), "beside" = Self::Aimed(AimKind::Beside)
+    }
+    Followed { "beside" = Self(AimKind::Beside), "point" = Self(AimKind::At) }
+    TrackKind {
+        "fixed" = Self::Fixed, "straight" = Self::Straight, "csv" = Self::Recorded(FileFormat::Csv),
+        "nmea" = Self::Recorded(FileFormat::Nmea), "inspvax" = Self::Recorded(FileFormat::Inspvax),
+        // The week is a key of its own.
+        "sbet" = Self::Recorded(FileFormat::Sbet { gps_week: 0 }), "gpx" = Self::Recorded(FileFormat::Gpx),
+        "kml" = Self::Recorded(FileFormat::Kml), "live" = Self::Live
+    }
+    AimFrom { "reported" = Self::Reported, "true" = Self::True }
+    Sweep { "up" = Self::Up, "down" = Self::Down }
+    Oscillator { "ocxo" = Self::Ocxo, "tcxo" = Self::Tcxo, "gpsdo" = Self::Gpsdo, "rubidium" = Self::Rubidium }
+    Class { "sps" = Self::Sps, "rtk" = Self::Rtk, "tactical" = Self::Tactical, "navigation" = Self::Navigation }
+    Recorded { "truth" = Self::Truth, "reported" = Self::Reported }
+    Between { "extrapolate" = Self::Extrapolate, "hold" = Self::Hold }
+    MotionBounds {
+        "ship" = Self::SHIP, "ground" = Self::GROUND, "aircraft" = Self::AIRCRAFT, "spacecraft" = Self::SPACECRAFT
+    }
+    WindProfile { "cardone" = Self::Cardone, "wu" = Self::Wu }
+    Waves { "linear" = Self::Linear, "choppy" = Self::Choppy }
+    Permittivity { "meissner-wentz" = Self::MeissnerWentz, "klein-swift" = Self::KleinSwift }
+    Averaging { "automatic" = Self::Automatic, "points" = Self::Points, "cells" = Self::Cells }
+    Splitting { "consistent" = Self::Consistent, "mars2007" = Self::Mars2007 }
+    Phases { "polcoherent" = Self::PolCoherent, "single" = Self::Single }
+    LightWinds { "threshold" = Self::Threshold, "published" = Self::AsPublished }
+    Breaking { "off" = Self::Off, "whitecaps" = Self::Whitecaps }
+    UpAxis { "z" = Self::Z, "y" = Self::Y }
+    Doppler { "mean" = Self::Mean, "shift" = Self::Shift, "taylor" = Self::Taylor }
+    Pace { "realtime" = Self::Realtime, "fast" = Self::Fast }
+    Policy { "stop" = Self::Stop, "slip" = Self::Slip, "drop" = Self::Drop }
+    Messages { "samples" = Self::Samples, "multipart" = Self::Multipart }
+    Profile { "nereus" = Self::Nereus, "difi" = Self::Difi }
+    OnFailure { "stop" = Self::Stop, "continue" = Self::Continue }
+}

@@ -1,0 +1,394 @@
+//! Tiles that were evaluated at their supports alone: profiles over delay, and pulses from these.
+//!
+//! A tile is spread at each support on a row of cells of its own, which begins at its first cell there, and
+//! turned back by the phase of its middle `theta`. A pulse `t` is the sum of the rows of its supports `t_k`,
+//! cell by cell, turned by its own phase,
+//!
+//! `g_t[j] += e^{j theta(t)} sum_k w_k e^{-j theta(t_k)} row_k[j]` ,
+//!
+//! with the weights of [`paths::block::supports`](crate::paths::block::Supports). Rows and grids are cells of
+//! one and the same delay axis, so windows must lie whole cells apart ([`Synth::windows_align`]). Every
+//! frequency of a row changes as slowly as it does in the echo, so what the weights lack of the power is all
+//! that is lost.
+
+use std::ops::Range;
+
+use super::block::{FAR_CELLS, Frame};
+use super::grid::{Grids, Lined};
+use super::lanes::{LaneWork, TOGETHER};
+use super::scalar::Scalar;
+use super::spread::{DelayPolynomials, Emitted, Job};
+use super::{Layer, Synth};
+use crate::cpu::Task;
+use crate::geometry::lanes::LANES;
+use crate::paths::block::{Instants, Supports, TAPS, TURNED_LANES, Tile};
+use crate::radar::phasor::phasor;
+
+/// Numbers of cells that are added at once.
+const TOGETHER_ADDED: usize = 16;
+/// Cells that the first cells of the rows of a pulse may lie apart where they are added at once.
+const APART: usize = 4;
+/// What a row may be longer than the tile at its nodes, cells: waves move facets between these.
+const MORE_CELLS: f64 = 4.0;
+/// Windows that are so near to whole cells apart are.
+const WHOLE_CELLS: f64 = 1e-6;
+
+/// Room for the rows of a tile.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    /// `[layer]`: `[support][cell][lane]`.
+    cells: Vec<Lined<f32>>,
+    /// First cell of each row, on the grid of the middle pulse; none of a row that is empty.
+    first: Vec<Option<i32>>,
+    /// Phase of the middle of the tile at every pulse, turns.
+    turns: Vec<f64>,
+    /// Whole cells from the window of the middle pulse to that of each.
+    shifts: Vec<i32>,
+    sum: Vec<f32>,
+}
+
+/// The rows of a tile: empty cells, those that hold it, empty ones again, and those that nobody reads.
+#[derive(Clone, Copy)]
+struct Shape {
+    /// Empty cells on either side.
+    margin: usize,
+    /// Places that a first cell may have.
+    places: usize,
+    /// Cells that hold the tile: those, and what a path is spread over.
+    cells: usize,
+    /// Cells from row to row.
+    stride: usize,
+}
+
+impl Synth<f32> {
+    /// Whether windows lie whole cells apart: only then may tiles be evaluated at supports alone.
+    pub fn windows_align(&self, windows_s: &[f64]) -> bool {
+        let first_s = windows_s.first().copied().unwrap_or_default();
+        windows_s.iter().all(|start_s| {
+            let cells = (start_s - first_s) * self.cells_per_s;
+            (cells - cells.round()).abs() < WHOLE_CELLS && cells.abs() < FAR_CELLS
+        })
+    }
+
+    /// Spreads a tile that was evaluated at its supports on the grids of its block.
+    pub(super) fn spread_profiles(
+        &self,
+        tile: &Tile,
+        pair: usize,
+        supports: &Supports,
+        frame: &Frame,
+        work: &mut LaneWork,
+        grids: &mut Grids<f32>,
+    ) {
+        let pulses = frame.pulses();
+        let reference_s = frame.windows_s[pulses / 2];
+        let Rows { shifts, turns, .. } = &mut work.rows;
+        shifts.clear();
+        let whole = |start_s: &f64| ((reference_s - start_s) * self.cells_per_s).round() as i32;
+        shifts.extend(frame.windows_s.iter().map(whole));
+        tile.middle_turns(pair, self.carrier_hz, turns);
+        let shape = self.shape_of_rows(tile, pair);
+        let own = self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair);
+        work.rows.cells.resize_with(self.layers.len(), Lined::default);
+        for (index, layer) in own.clone() {
+            work.rows.cells[index].reset(supports.pulses().len() * shape.stride * layer.lanes);
+        }
+        work.rows.first.clear();
+        self.fill_rows(tile, pair, (supports, shape), frame, work);
+        for (index, layer) in own {
+            self.turn_rows(index, layer, (supports, shape), &mut work.rows);
+            for pulse in 0..pulses {
+                let fills = frame.groups.get(pulse).is_none_or(|group| *group == layer.group);
+                if fills {
+                    let from = self.shape.offset(index);
+                    let cells = &mut grids.from(pulse, 1)[from..][..self.shape.layer_len(index)];
+                    self.add_pulse((index, layer, pulse), (supports, shape), &mut work.rows, cells);
+                }
+            }
+        }
+    }
+
+    fn shape_of_rows(&self, tile: &Tile, pair: usize) -> Shape {
+        let mut extent_s = 0.0f64;
+        for node in tile.pairs[pair].nodes() {
+            let delays_s = &node.paths.delay_s[..tile.count];
+            let least = delays_s.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = delays_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            extent_s = extent_s.max(most - least);
+        }
+        let places = (extent_s * self.cells_per_s + MORE_CELLS).ceil() as usize;
+        let places = places.min(self.shape.outside());
+        let (width, margin) = (self.settings.width, APART + TOGETHER_ADDED / 2);
+        let cells = places + width;
+        Shape { margin, places, cells, stride: (cells + 2 * margin + width).next_multiple_of(2) }
+    }
+
+    /// Spreads the tile at every support on its row.
+    fn fill_rows(
+        &self,
+        tile: &Tile,
+        pair: usize,
+        (supports, shape): (&Supports, Shape),
+        frame: &Frame,
+        work: &mut LaneWork,
+    ) {
+        let pulses = frame.pulses();
+        let Instants { nodes, node_count, .. } = tile.instants;
+        self.fill_moments(tile, pair, frame.mean_hz[pair], work);
+        let mut at = None;
+        for interval in 0..node_count.saturating_sub(1).max(1) {
+            let own = intervals_of(&nodes[..node_count], interval, pulses);
+            let own = [own.start, own.end].map(|end| supports.pulses().partition_point(|pulse| *pulse < end));
+            if own[0] == own[1] {
+                continue;
+            }
+            let epochs = tile.instants.epochs_between(interval);
+            if at != Some(epochs.start) {
+                at = Some(epochs.start);
+                self.amplitudes_through(tile, pair, epochs, tile.slow.at(pulses / 2), work);
+            }
+            let parts = (own[1] - own[0]).div_ceil(TOGETHER);
+            for part in 0..parts {
+                let [a, b] = [part, part + 1].map(|n| own[0] + n * (own[1] - own[0]) / parts);
+                self.fill_part_of_rows(tile, pair, (interval, a..b), (supports, shape), frame, work);
+            }
+        }
+    }
+
+    fn fill_part_of_rows(
+        &self,
+        tile: &Tile,
+        pair: usize,
+        (interval, own): (usize, Range<usize>),
+        (supports, shape): (&Supports, Shape),
+        frame: &Frame,
+        work: &mut LaneWork,
+    ) {
+        let pulses = frame.pulses();
+        let reference_s = frame.windows_s[pulses / 2];
+        let (slow, uneven) = (&tile.slow, !tile.slow.uneven().is_empty());
+        let middle = slow.at(supports.pulses()[own.start + own.len() / 2]);
+        self.polynomials_between(tile, pair, interval, (middle, reference_s), frame, &mut work.polynomials);
+        let LaneWork { polynomials, amplitude, emitted, powers: in_use, rows, .. } = work;
+        let reach = [
+            -rows.shifts.iter().copied().max().unwrap_or(0),
+            self.last_cell - rows.shifts.iter().copied().min().unwrap_or(0),
+        ];
+        emitted.clear();
+        for row in own.clone() {
+            let at = slow.at(supports.pulses()[row]);
+            let time = at - middle;
+            let least = self.variant.run(FirstCell { polynomials, time: time as f32, reach });
+            rows.first.push(least);
+            let shift = (-least.unwrap_or(0), 0.0);
+            emitted.push(Emitted::new(shift, time, at - slow.at(pulses / 2), (row, uneven)));
+        }
+        let crate::paths::block::Pair { factor, turned, .. } = &tile.pairs[pair];
+        for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair) {
+            let powers = amplitude[index].each_ref().map(|power| power.as_slice());
+            let stride = shape.stride * layer.lanes;
+            let job = Job {
+                polynomials,
+                amplitude: &powers[..*in_use],
+                pulses: emitted,
+                factors: factor.as_flattened(),
+                turned: turned.as_flattened().as_flattened(),
+                factor_stride: LANES,
+                turned_stride: TURNED_LANES,
+                coefficients: &self.coefficients,
+                last_cell: shape.places as i32 - 1,
+                outside: (shape.cells + shape.margin) as i32,
+                stride,
+                offset: shape.margin * layer.lanes,
+            };
+            let cells = &mut rows.cells[index].as_mut_slice()[own.start * stride..own.end * stride];
+            (self.bodies[index])(&job, cells);
+        }
+    }
+
+    /// Turns rows back by the phase of the middle of the tile.
+    fn turn_rows(&self, index: usize, layer: &Layer, (supports, shape): (&Supports, Shape), rows: &mut Rows) {
+        let stride = shape.stride * layer.lanes;
+        let cells = rows.cells[index].as_mut_slice();
+        for (row, pulse) in cells.chunks_exact_mut(stride).zip(supports.pulses()) {
+            let by = phasor(-rows.turns[*pulse]);
+            let row = &mut row[shape.margin * layer.lanes..][..shape.cells * layer.lanes];
+            self.variant.run(Turned { row, by: [by.re as f32, by.im as f32] });
+        }
+    }
+
+    /// Adds the tile at a pulse to the cells of a layer.
+    fn add_pulse(
+        &self,
+        (index, layer, pulse): (usize, &Layer, usize),
+        (supports, shape): (&Supports, Shape),
+        rows: &mut Rows,
+        cells: &mut [f32],
+    ) {
+        let (from, weights) = supports.taps(pulse);
+        let firsts = &rows.first[from..from + TAPS];
+        let known = firsts.iter().flatten();
+        let (Some(&least), Some(&most)) = (known.clone().min(), known.max()) else { return };
+        let (lanes, stride) = (layer.lanes, shape.stride * layer.lanes);
+        let apart = (most - least) as usize;
+        let length = (shape.cells + apart) * lanes;
+        let begins = least + rows.shifts[pulse];
+        let by = phasor(rows.turns[pulse]);
+        let by = [by.re as f32, by.im as f32];
+        let whole = length.next_multiple_of(TOGETHER_ADDED);
+        if let (Ok(begins), true, true) =
+            (usize::try_from(begins), apart <= APART, firsts.iter().all(Option::is_some))
+            && begins * lanes + whole <= self.shape.outside() * lanes
+        {
+            let held = rows.cells[index].as_slice();
+            let row = |n: usize| {
+                let after = firsts[n].map_or(0, |first| (first - least) as usize);
+                &held[(from + n) * stride + (shape.margin - after) * lanes..][..whole]
+            };
+            let (rows, cells) = (std::array::from_fn(row), &mut cells[begins * lanes..][..whole]);
+            return self.variant.run(AddedAtOnce { rows, weights, by, cells });
+        }
+        rows.sum.clear();
+        rows.sum.resize(length, 0.0);
+        let held = rows.cells[index].as_slice();
+        for (n, (first, weight)) in firsts.iter().zip(weights).enumerate() {
+            let Some(first) = first else { continue };
+            let row = &held[(from + n) * stride + shape.margin * lanes..][..shape.cells * lanes];
+            let to = &mut rows.sum[(first - least) as usize * lanes..][..shape.cells * lanes];
+            self.variant.run(Weighted { row, weight: *weight, to });
+        }
+        // On the pulse's own grid, as much as lies on it.
+        let skip = (-begins).max(0) as usize * lanes;
+        let to = begins.max(0) as usize * lanes;
+        let room = (self.shape.outside() * lanes).saturating_sub(to);
+        let sum = rows.sum.get(skip..).unwrap_or_default();
+        let sum = &sum[..sum.len().min(room)];
+        let cells = &mut cells[to.min(self.shape.outside() * lanes)..];
+        self.variant.run(Added { sum, by, cells });
+    }
+}
+
+/// Pulses from a node to the next.
+pub(super) fn intervals_of(nodes: &[usize], interval: usize, pulses: usize) -> Range<usize> {
+    let from = if interval == 0 { 0 } else { nodes[interval] };
+    let last = interval + 2 >= nodes.len();
+    from..if last { pulses } else { nodes[interval + 1] }
+}
+
+/// The least first cell that is within reach of any window.
+struct FirstCell<'a> {
+    polynomials: &'a DelayPolynomials<f32>,
+    time: f32,
+    reach: [i32; 2],
+}
+
+impl Task for FirstCell<'_> {
+    type Output = Option<i32>;
+
+    #[inline(always)]
+    fn run(self) -> Option<i32> {
+        let Self { polynomials: DelayPolynomials { base, place, .. }, time, reach: [from, to] } = self;
+        let [c0, c1, c2, c3] = place;
+        let lanes = base.iter().zip(c0).zip(c1).zip(c2).zip(c3);
+        let mut least = i32::MAX;
+        for ((((base, c0), c1), c2), c3) in lanes {
+            // One cell before, so that rounding in another order does not matter.
+            let place = ((c3 * time + c2) * time + c1) * time + c0;
+            let first = base.wrapping_add(f32::nearest(place).0 - 1);
+            let within = first >= from - 2 && first <= to;
+            least = if within && first < least { first } else { least };
+        }
+        (least < i32::MAX).then_some(least)
+    }
+}
+
+/// Adds the weighted sum of rows, turned, to the cells of a pulse: multiples of [`TOGETHER_ADDED`].
+struct AddedAtOnce<'a> {
+    rows: [&'a [f32]; TAPS],
+    weights: &'a [f32; TAPS],
+    by: [f32; 2],
+    cells: &'a mut [f32],
+}
+
+impl Task for AddedAtOnce<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let ([cos, sin], weights) = (self.by, self.weights);
+        let rows = self.rows.map(|row| row.as_chunks::<TOGETHER_ADDED>().0);
+        let cells = self.cells.as_chunks_mut::<TOGETHER_ADDED>().0;
+        let count = rows.iter().map(|row| row.len()).fold(cells.len(), usize::min);
+        let rows = rows.map(|row| &row[..count]);
+        for (n, cells) in cells[..count].iter_mut().enumerate() {
+            let mut sum = [0.0f32; TOGETHER_ADDED];
+            for (row, weight) in rows.iter().zip(weights) {
+                for (sum, own) in sum.iter_mut().zip(&row[n]) {
+                    *sum += weight * own;
+                }
+            }
+            for lane in 0..TOGETHER_ADDED / 2 {
+                let (re, im) = (sum[2 * lane], sum[2 * lane + 1]);
+                cells[2 * lane] += re * cos - im * sin;
+                cells[2 * lane + 1] += re * sin + im * cos;
+            }
+        }
+    }
+}
+
+/// A row times a phasor.
+struct Turned<'a> {
+    row: &'a mut [f32],
+    by: [f32; 2],
+}
+
+impl Task for Turned<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let [cos, sin] = self.by;
+        for [re, im] in self.row.as_chunks_mut::<2>().0 {
+            (*re, *im) = (*re * cos - *im * sin, *re * sin + *im * cos);
+        }
+    }
+}
+
+/// Adds a row times its weight.
+struct Weighted<'a> {
+    row: &'a [f32],
+    weight: f32,
+    to: &'a mut [f32],
+}
+
+impl Task for Weighted<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (to, own) in self.to.iter_mut().zip(self.row) {
+            *to += self.weight * own;
+        }
+    }
+}
+
+/// Adds a sum, turned, to the cells of a pulse.
+struct Added<'a> {
+    sum: &'a [f32],
+    by: [f32; 2],
+    cells: &'a mut [f32],
+}
+
+impl Task for Added<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let [cos, sin] = self.by;
+        let both = self.cells.as_chunks_mut::<2>().0.iter_mut().zip(self.sum.as_chunks::<2>().0);
+        for ([re, im], [own_re, own_im]) in both {
+            *re += own_re * cos - own_im * sin;
+            *im += own_re * sin + own_im * cos;
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! Which pulses of a run are looked at.
+
+use crate::scene::Radar;
+
+/// Longest block, units of pulses.
+pub const LONGEST: u64 = 64;
+/// PRF up to which a unit is a pulse, Hz, and twice that.
+const UNIT_HZ: f64 = 240.0;
+/// Most pulses of a unit.
+const MOST_UNIT: u64 = 16;
+
+/// Pulses of a unit, by which what changes from pulse to pulse is looked at. What nodes leave is a matter of
+/// their distance in time: at a high PRF every so many pulses show as much as all. Of a run of few pulses all
+/// are looked at.
+pub fn unit_of(radar: &Radar, pulses: u64) -> u64 {
+    let of_prf = (radar.emissions.mean_prf_hz() / UNIT_HZ).floor().max(1.0) as u64;
+    of_prf.min(pulses.div_ceil(LONGEST)).clamp(1, MOST_UNIT)
+}
+
+/// Numbers of `count` pulses about the middle of as many equal parts of a run, by turns at every place of a
+/// cycle of so many pulses.
+pub fn spread_over(pulses: u64, count: u64, cycle: u64) -> impl Iterator<Item = u64> {
+    let middle = move |n: u64| u128::from(pulses) * u128::from(2 * n + 1) / u128::from(2 * count.max(1));
+    let of_cycle = move |middle: u64, n: u64| middle - middle % cycle + n % cycle;
+    (0..count).map(move |n| of_cycle(middle(n) as u64, n).min(pulses.saturating_sub(1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pulses_are_spread_over_places_of_a_cycle() {
+        assert_eq!(spread_over(100, 4, 1).collect::<Vec<_>>(), [12, 37, 62, 87]);
+        // Every second pulse would all be of one polarisation.
+        let found: Vec<u64> = spread_over(128, 64, 2).collect();
+        assert_eq!(found.iter().filter(|pulse| *pulse % 2 == 0).count(), 32);
+        assert_eq!(spread_over(3, 3, 4).collect::<Vec<_>>(), [0, 1, 2]);
+    }
+}

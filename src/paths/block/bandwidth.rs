@@ -1,0 +1,138 @@
+//! How fast a tile changes from pulse to pulse, and whether it is evaluated at its supports alone.
+//!
+//! A tile whose facets have Doppler from `f_1` to `f_2` turns about its middle, `(f_1 + f_2)/2`, and is taken
+//! to have the bandwidth
+//!
+//! `B = max (f_2 - f_1) + 2 f_w + |r| f_s` ,
+//!
+//! over its nodes and the middles between them: `f_w` is how far waves that travel, or phases that are
+//! forgotten, reach off the Doppler of their facets, and `|r| f_s` what a delay of rate `r` that moves over
+//! the grid adds at the edge of the band that is received.
+
+use std::f64::consts::TAU;
+
+use super::TileWork;
+use super::tile::Pair;
+use super::travelling::Part;
+use crate::geometry::lanes::Paths;
+use crate::paths::PathGenerator;
+use crate::paths::sea::SeaPlan;
+
+/// Cells of the delay grid of a sample, about.
+const CELLS_PER_SAMPLE: f64 = 2.0;
+/// Cells that a tile has on the grid on top of its extent.
+const MORE_CELLS: f64 = 10.0;
+/// Time to find a pulse from supports, for each cell, over that of a facet at a pulse.
+const PER_CELL: f64 = 1.0;
+/// A tile is wider than its first facet shows.
+const OF_LINES: f64 = 1.2;
+/// Deviations up to which phases that are forgotten turn.
+const DEVIATIONS: f64 = 4.0;
+
+/// Rates of the middle of a tile at its nodes and between them, and how far facets are off, both over time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Rates {
+    /// Largest less least.
+    span: f64,
+    /// Largest magnitude.
+    fastest: f64,
+}
+
+impl Pair {
+    /// Least and largest rate of its delays at a node, or half-way to the next: `half` of node 0 lies between
+    /// nodes 0 and 1.
+    pub fn rate_span(&self, count: usize, node: usize, half: bool, interval_s: f64) -> [f64; 2] {
+        let paths = |n: usize| -> &Paths { &self.nodes()[n].paths };
+        let mut span = [f64::INFINITY, f64::NEG_INFINITY];
+        let own = paths(node);
+        let mut take = |rate: f64| {
+            if rate.abs() < 1.0 {
+                span = [span[0].min(rate), span[1].max(rate)];
+            }
+        };
+        if half {
+            let next = paths(node + 1);
+            let per_s = 1.5 / interval_s;
+            for i in 0..count {
+                let ends = own.delay_rate[i] + next.delay_rate[i];
+                take(per_s * (next.delay_s[i] - own.delay_s[i]) - 0.25 * ends);
+            }
+        } else {
+            own.delay_rate[..count].iter().for_each(|rate| take(*rate));
+        }
+        if span[0] <= span[1] { span } else { [0.0; 2] }
+    }
+}
+
+impl PathGenerator {
+    /// Chooses the supports of the tile at hand: the farthest that its bandwidth allows, if evaluating it at
+    /// these alone saves time.
+    pub(super) fn choose_supports(&self, sea: &SeaPlan, work: &mut TileWork) {
+        work.tile.chosen = None;
+        let (count, pulses) = (work.tile.count, work.tile.instants.pulses);
+        if work.supports_within.is_none() || work.whole || count == 0 {
+            return;
+        }
+        let mut bandwidth_hz = 0.0f64;
+        let mut extent_s = 0.0f64;
+        for pair in &work.tile.pairs {
+            let Rates { span, fastest } = self.rates_of_tile(pair, work);
+            let of_waves = self.band_of_waves_hz(sea, work.part, pair);
+            let own = self.radar.carrier_hz * span + of_waves + fastest * self.radar.sample_rate_hz;
+            bandwidth_hz = bandwidth_hz.max(own);
+            for node in pair.nodes() {
+                let delays_s = &node.paths.delay_s[..count];
+                let least = delays_s.iter().copied().fold(f64::INFINITY, f64::min);
+                let most = delays_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                extent_s = extent_s.max(most - least);
+            }
+        }
+        let cells = CELLS_PER_SAMPLE * self.radar.sample_rate_hz * extent_s + MORE_CELLS;
+        let Some(chosen) = work.tile.supports.for_bandwidth(bandwidth_hz * work.tile.interval_s) else {
+            return;
+        };
+        let supports = work.tile.supports.get(chosen).map_or(pulses, |own| own.pulses().len());
+        let saved = (pulses - supports) as f64 * count as f64;
+        // Never of an extent that is no number.
+        if PER_CELL * cells * (pulses as f64) < saved {
+            work.tile.chosen = Some(chosen);
+        }
+    }
+
+    fn rates_of_tile(&self, pair: &Pair, work: &TileWork) -> Rates {
+        let (nodes, count) = (pair.nodes().len(), work.tile.count);
+        let (at, slow) = (&work.tile.instants.nodes, &work.tile.slow);
+        let mut rates = Rates::default();
+        let mut add = |[least, most]: [f64; 2]| {
+            rates.span = rates.span.max(most - least);
+            rates.fastest = rates.fastest.max(least.abs()).max(most.abs());
+        };
+        for node in 0..nodes {
+            add(pair.rate_span(count, node, false, 0.0));
+            if node + 1 < nodes {
+                let interval_s = (slow.at(at[node + 1]) - slow.at(at[node])) * work.tile.interval_s;
+                add(pair.rate_span(count, node, true, interval_s));
+            }
+        }
+        rates
+    }
+
+    /// Both sides of what waves add to the Doppler of their facets, Hz.
+    fn band_of_waves_hz(&self, sea: &SeaPlan, part: Part, pair: &Pair) -> f64 {
+        let radps = match (sea.scattering.travelling(), part.mechanism()) {
+            (Some(lines), Some(mechanism)) => {
+                let of = |paths: &Paths| {
+                    let [incident, scattered] = [&paths.incident, &paths.scattered]
+                        .map(|rows| glam::DVec3::from_array([0, 1, 2].map(|axis| f64::from(rows[axis][0]))));
+                    lines.reach_radps(mechanism, incident, scattered)
+                };
+                OF_LINES * pair.nodes().iter().map(|node| of(&node.paths)).fold(0.0, f64::max)
+            }
+            _ => match part {
+                Part::Forgetting(_) => DEVIATIONS * sea.scattering.forgetting_radps(),
+                _ => 0.0,
+            },
+        };
+        2.0 * radps / TAU
+    }
+}
