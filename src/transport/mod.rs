@@ -14,8 +14,11 @@ pub mod rights;
 #[doc(hidden)]
 pub mod ring;
 pub mod schedule;
+mod durations;
 #[doc(hidden)]
 pub mod health;
+#[doc(hidden)]
+pub mod pool;
 #[doc(hidden)]
 pub mod view;
 #[doc(hidden)]
