@@ -12,7 +12,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 const LIGHT_MPS: f64 = 299_792_458.0;
-/// Tells draws of slow time from those of the rest.
+/// Keeps draws of slow time apart from those of the rest.
 const SLOW_TIME: u64 = 0x510;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.

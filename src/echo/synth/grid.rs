@@ -110,9 +110,17 @@ impl<T: Scalar> Grids<T> {
     pub(super) fn reset(&mut self, pulses: usize, groups: &[u8]) {
         self.cells.reset(pulses * self.shape.pulse_len());
         self.places.clear();
-        self.places.extend(groups.iter().enumerate().map(|(n, own)| {
-            let before = |(m, other): &(usize, &u8)| (*other, *m) < (own, n);
-            groups.iter().enumerate().filter(before).count()
+        // By group, and in their order within one.
+        let mut next = [0; 256];
+        groups.iter().for_each(|group| next[usize::from(*group)] += 1);
+        let mut before = 0;
+        for next in &mut next {
+            (*next, before) = (before, before + *next);
+        }
+        self.places.extend(groups.iter().map(|group| {
+            let next = &mut next[usize::from(*group)];
+            *next += 1;
+            *next - 1
         }));
     }
 
@@ -142,8 +150,7 @@ impl<T: Scalar> Grids<T> {
     pub(super) fn fold(&self, pulse: usize, layer: usize, channel: usize, out: &mut [Complex<T>]) {
         let shape = &self.shape;
         let lanes = shape.lanes[layer];
-        let before: usize = (0..layer).map(|l| shape.layer_len(l)).sum();
-        let from = self.place(pulse) * shape.pulse_len() + before;
+        let from = self.place(pulse) * shape.pulse_len() + shape.offset(layer);
         let cells = &self.cells.as_slice()[from..][..(shape.period + shape.width) * lanes];
         out.fill(Complex::new(T::default(), T::default()));
         let value = |cell: &[T]| Complex::new(cell[2 * channel], cell[2 * channel + 1]);

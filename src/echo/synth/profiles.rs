@@ -21,7 +21,7 @@ use super::spread::{DelayPolynomials, Emitted, Job};
 use super::{Layer, Synth};
 use crate::cpu::Task;
 use crate::geometry::lanes::LANES;
-use crate::paths::block::{Instants, Supports, TAPS, TURNED_LANES, Tile};
+use crate::paths::block::{Instants, Pair, Supports, TAPS, TURNED_LANES, Tile};
 use crate::radar::phasor::phasor;
 
 /// Numbers of cells that are added at once.
@@ -94,14 +94,9 @@ impl Synth<f32> {
         }
     }
 
+    /// Rows as long as the tile at its nodes, and a little more.
     fn shape_of_rows(&self, tile: &Tile, pair: usize) -> Shape {
-        let mut extent_s = 0.0f64;
-        for node in tile.pairs[pair].nodes() {
-            let delays_s = &node.paths.delay_s[..tile.count];
-            let least = delays_s.iter().copied().fold(f64::INFINITY, f64::min);
-            let most = delays_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            extent_s = extent_s.max(most - least);
-        }
+        let extent_s = tile.pairs[pair].extent_s(tile.count);
         let places = (extent_s * self.cells_per_s + MORE_CELLS).ceil() as usize;
         let places = places.min(self.shape.outside());
         let (width, margin) = (self.settings.width, APART + TOGETHER_ADDED / 2);
@@ -169,7 +164,7 @@ impl Synth<f32> {
             let shift = (-least.unwrap_or(0), 0.0);
             emitted.push(Emitted::new(shift, time, at - slow.at(pulses / 2), (row, uneven)));
         }
-        let crate::paths::block::Pair { factor, turned, .. } = &tile.pairs[pair];
+        let Pair { factor, turned, .. } = &tile.pairs[pair];
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair) {
             let powers = amplitude[index].each_ref().map(|power| power.as_slice());
             let stride = shape.stride * layer.lanes;

@@ -34,18 +34,18 @@ const OF_LINES: f64 = 1.2;
 /// Deviations up to which phases that are forgotten turn.
 const DEVIATIONS: f64 = 4.0;
 
-/// Rates of the middle of a tile at its nodes and between them, and how far facets are off, both over time.
+/// Rates of the delays of a tile, over its nodes and the middles between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Rates {
-    /// Largest less least.
+    /// Largest less least at any of these.
     span: f64,
     /// Largest magnitude.
     fastest: f64,
 }
 
 impl Pair {
-    /// Least and largest rate of its delays at a node, or half-way to the next: `half` of node 0 lies between
-    /// nodes 0 and 1.
+    /// Least and largest rate of its delays at a node, or `half` of `interval_s` after it, in the middle
+    /// between it and the next.
     pub fn rate_span(&self, count: usize, node: usize, half: bool, interval_s: f64) -> [f64; 2] {
         let paths = |n: usize| -> &Paths { &self.nodes()[n].paths };
         let mut span = [f64::INFINITY, f64::NEG_INFINITY];
@@ -85,9 +85,9 @@ impl PathGenerator {
     /// Chooses the supports of the tile at hand: the farthest that its bandwidth allows, if evaluating it at
     /// these alone saves time.
     pub(super) fn choose_supports(&self, sea: &SeaPlan, work: &mut TileWork) {
-        work.tile.chosen = None;
+        work.tile.supports.choose(None);
         let (count, pulses) = (work.tile.count, work.tile.instants.pulses);
-        if work.supports_within.is_none() || work.whole || count == 0 || !work.is_seen_steadily() {
+        if work.tile.supports.is_empty() || work.whole || count == 0 || !work.is_seen_steadily() {
             return;
         }
         let mut bandwidth_hz = 0.0f64;
@@ -97,12 +97,7 @@ impl PathGenerator {
             let of_waves = self.band_of_waves_hz(sea, work.part, pair);
             let own = self.radar.carrier_hz * span + of_waves + fastest * self.radar.sample_rate_hz;
             bandwidth_hz = bandwidth_hz.max(own);
-            for node in pair.nodes() {
-                let delays_s = &node.paths.delay_s[..count];
-                let least = delays_s.iter().copied().fold(f64::INFINITY, f64::min);
-                let most = delays_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                extent_s = extent_s.max(most - least);
-            }
+            extent_s = extent_s.max(pair.extent_s(count));
         }
         let cells = CELLS_PER_SAMPLE * self.radar.sample_rate_hz * extent_s + MORE_CELLS;
         let Some(chosen) = work.tile.supports.for_bandwidth(bandwidth_hz * work.tile.interval_s) else {
@@ -112,7 +107,7 @@ impl PathGenerator {
         let saved = (pulses - supports) as f64 * count as f64;
         // Never of an extent that is no number.
         if PER_CELL * cells * (pulses as f64) < saved {
-            work.tile.chosen = Some(chosen);
+            work.tile.supports.choose(Some(chosen));
         }
     }
 

@@ -552,7 +552,7 @@ impl PathGenerator {
         let plan = &self.plans[pair];
         let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
         let count = tile.count;
-        let supports = tile.chosen.and_then(|chosen| tile.supports.get(chosen));
+        let supports = tile.supports.chosen();
         let Pair { epochs, epoch_count, factor, .. } = &mut tile.pairs[pair];
         let rows = supports.map_or(timing.instants.pulses, |own| own.pulses().len());
         factor.resize(rows, [0.0; LANES]);

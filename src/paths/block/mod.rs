@@ -152,8 +152,6 @@ pub struct TileWork {
     drop_m: [f64; LANES],
     fall: [Row; 2],
     kinds: Vec<(usize, f32)>,
-    /// Share of its power that a tile may lack at supports alone; `None` where every pulse is evaluated.
-    supports_within: Option<f64>,
     /// Whether facets that return nothing stay where they are.
     whole: bool,
     /// Facets of the tile that may return something, by their place in it.
@@ -336,7 +334,6 @@ impl SeaPlan {
             drop_m: [0.0; LANES],
             fall: [[0.0; LANES]; 2],
             kinds: Vec::with_capacity(LANES),
-            supports_within: None,
             whole: false,
             kept: Vec::with_capacity(LANES),
             slopes: [[[0.0; LANES]; 2]; NODES],
@@ -353,7 +350,6 @@ impl SeaPlan {
                 pairs: channels.iter().map(|groups| Pair::new(groups)).collect(),
                 slow: SlowTime::default(),
                 supports: SupportSets::default(),
-                chosen: None,
             },
         })
     }
@@ -392,7 +388,6 @@ impl TileWork {
         }
         of.slow_time(mainlobe.first, mainlobe.pulses, &mut self.tile.slow);
         self.timings.mainlobe.set(of, mainlobe, places, &self.tile.slow)?;
-        self.supports_within = tiers.between;
         match tiers.between {
             Some(loss) => self.tile.supports.set(mainlobe.pulses, loss, &self.tile.slow),
             None => self.tile.supports.clear(),

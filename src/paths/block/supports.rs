@@ -146,12 +146,19 @@ pub struct SupportSets {
     known: Option<(usize, f64, [f64; STEPS.len()])>,
     /// Whether those at hand are of equal intervals.
     even: bool,
+    /// Those of the tile at hand; `None`: it is evaluated at every pulse.
+    chosen: Option<usize>,
 }
 
 impl SupportSets {
     /// None: every pulse is evaluated.
     pub fn clear(&mut self) {
         self.count = 0;
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
     }
 
     /// For a block of so many pulses, leaving no more than `loss` of the power of a tile.
@@ -209,6 +216,16 @@ impl SupportSets {
     /// Some of them.
     pub fn get(&self, place: usize) -> Option<&Supports> {
         self.sets[..self.count].get(place)
+    }
+
+    /// Gives the tile at hand some of them, or none.
+    pub fn choose(&mut self, place: Option<usize>) {
+        self.chosen = place;
+    }
+
+    /// Those of the tile at hand, where it is not evaluated at every pulse.
+    pub fn chosen(&self) -> Option<&Supports> {
+        self.get(self.chosen?)
     }
 }
 

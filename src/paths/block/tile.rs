@@ -51,10 +51,8 @@ pub struct Tile {
     pub interval_s: f64,
     /// When its pulses are.
     pub slow: SlowTime,
-    /// At which pulses tiles of this block may be evaluated alone.
+    /// At which pulses tiles of this block may be evaluated alone, and which of these this one has.
     pub(super) supports: SupportSets,
-    /// Which of these this one has; `None`: it is evaluated at every pulse.
-    pub(super) chosen: Option<usize>,
     /// Per transmitter-receiver pair.
     pub pairs: Vec<Pair>,
 }
@@ -117,9 +115,8 @@ impl Epoch {
     }
 }
 
-/// Amplitudes of up to four channels, `[facet][lane]`, sqrt(W): lanes are the real and
-/// imaginary parts of the channels, as those of the grids they are spread on. Lanes without a channel are
-/// zero.
+/// Amplitudes of up to four channels, `[facet][lane]`, sqrt(W): lanes are the real and imaginary parts of the
+/// channels, as those of the grids they are spread on. Lanes without a channel are zero.
 #[derive(Clone)]
 pub struct Layer {
     /// Places among the channels of the pair.
@@ -215,6 +212,18 @@ impl Pair {
     /// At every node.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes[..self.node_count]
+    }
+
+    /// Longest time between the delays of the first facets at a node, s.
+    pub fn extent_s(&self, count: usize) -> f64 {
+        self.nodes().iter().fold(0.0, |longest: f64, node| {
+            let delays_s = node.paths.delay_s[..count].iter();
+            let [least, most] = delays_s
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], delay_s| {
+                    [least.min(*delay_s), most.max(*delay_s)]
+                });
+            longest.max(most - least)
+        })
     }
 
     /// At every scattering epoch.
@@ -336,7 +345,7 @@ impl Tile {
 
     /// The pulses at which it was evaluated, where these are not all.
     pub fn supports(&self) -> Option<&Supports> {
-        self.chosen.and_then(|chosen| self.supports.get(chosen))
+        self.supports.chosen()
     }
 
     /// Leaves out facets that add nothing to the echo.
@@ -407,7 +416,6 @@ mod tests {
                 interval_s: 1.0,
                 slow: SlowTime::default(),
                 supports: SupportSets::default(),
-                chosen: None,
                 pairs,
             };
             let mut tally = Tally::default();

@@ -34,6 +34,7 @@ pub(super) enum Part {
 }
 
 impl Part {
+    /// Takes the phasors of the other parts away.
     pub fn choose(self, batch: &mut Batch) {
         let gone = match self {
             Self::Still => 0..0,
@@ -47,6 +48,7 @@ impl Part {
         }
     }
 
+    /// What turns it, where waves travel.
     pub fn mechanism(self) -> Option<Mechanism> {
         match self {
             Self::Still | Self::Forgetting(_) => None,
@@ -106,8 +108,7 @@ impl PathGenerator {
         turned.resize(factor.len(), [[0.0; TURNED_LANES]; 2]);
         turns.resize(factor.len(), [[0.0; GROUP]; 2]);
         let ends = [&*paths[0].paths, &*paths[*node_count - 1].paths];
-        let supports = tile.chosen.and_then(|chosen| tile.supports.get(chosen));
-        let uneven = supports.map_or(tile.slow.uneven(), |own| own.at());
+        let uneven = tile.supports.chosen().map_or(tile.slow.uneven(), |own| own.at());
         let times = Times { first_s: nodes[timing.nodes[0]].elapsed_s, interval_s: tile.interval_s, uneven };
         for from in (0..tile.count).step_by(GROUP) {
             let keys = &keys[from..tile.count.min(from + GROUP)];
