@@ -14,6 +14,7 @@ pub mod rights;
 #[doc(hidden)]
 pub mod ring;
 pub mod schedule;
+mod durations;
 #[doc(hidden)]
 pub mod health;
 #[doc(hidden)]

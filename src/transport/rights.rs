@@ -10,6 +10,13 @@
 
 use serde::Serialize;
 
+/// Real-time priority for the pacer.
+pub(super) const PRIORITY: &str = "pacer_priority";
+const CORE: &str = "pacer_core";
+const MEMORY: &str = "lock_memory";
+/// All that may be asked.
+pub(super) const ALL: [&str; 3] = [PRIORITY, CORE, MEMORY];
+
 /// The system's answer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Right {
@@ -31,17 +38,17 @@ impl Right {
 /// Asks that this thread run at real-time priority: a woken thread of ordinary priority waits until those at
 /// work have had their slice, some milliseconds, nice or not.
 pub(super) fn run_ahead() -> Right {
-    Right::of("pacer_priority", fifo())
+    Right::of(PRIORITY, fifo())
 }
 
 /// Asks that this thread run on one core.
 pub(super) fn stay_on(core: usize) -> Right {
-    Right::of("pacer_core", affine(core))
+    Right::of(CORE, affine(core))
 }
 
 /// Asks that all memory taken so far stay where it is.
 pub(super) fn lock_memory() -> Right {
-    Right::of("lock_memory", locked())
+    Right::of(MEMORY, locked())
 }
 
 /// Priority of 1 to 99 among threads that run ahead of ordinary ones.
