@@ -176,6 +176,25 @@ pub struct Pulse {
 impl Pulse {
     /// An empty slot.
     pub fn new(layout: &Layout) -> Self {
+        let mut pulse = Self::reserved(layout);
+        pulse.fit(layout);
+        pulse
+    }
+
+    /// Gives a [reserved](Self::reserved) slot its samples, zero. It does not allocate, and does nothing to a
+    /// slot that has them.
+    pub fn fit(&mut self, layout: &Layout) {
+        let len = layout.channels * layout.samples;
+        match &mut self.samples {
+            Samples::Cf32(samples) if samples.len() != len => samples.resize(len, Complex32::ZERO),
+            Samples::Ci16(samples) if samples.len() != len => samples.resize(len, [0; 2]),
+            Samples::Cf32(_) | Samples::Ci16(_) => {}
+        }
+    }
+
+    /// A slot whose samples have an address but no memory yet: the system gives that when they are first
+    /// written, by [`fit`](Self::fit).
+    pub fn reserved(layout: &Layout) -> Self {
         let len = layout.channels * layout.samples;
         Self {
             index: 0,
@@ -184,8 +203,8 @@ impl Pulse {
             flags: 0,
             tx_pol: 0,
             samples: match layout.format {
-                SampleFormat::Cf32 => Samples::Cf32(vec![Complex32::ZERO; len]),
-                SampleFormat::Ci16 => Samples::Ci16(vec![[0; 2]; len]),
+                SampleFormat::Cf32 => Samples::Cf32(Vec::with_capacity(len)),
+                SampleFormat::Ci16 => Samples::Ci16(Vec::with_capacity(len)),
             },
             nav_true: vec![PlatformRecord::default(); layout.platforms],
             nav_reported: vec![PlatformRecord::default(); layout.platforms],

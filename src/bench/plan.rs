@@ -8,7 +8,10 @@ use crate::bench::settings;
 use crate::config::keys;
 use crate::fidelity::Prediction;
 use crate::fidelity::budget::Plan;
+use crate::pipeline::memory::Predicted;
 use crate::units::{counted, digits};
+
+const MIB: f64 = (1 << 20) as f64;
 
 /// A plan in figures; all of it predicted.
 #[derive(Debug, Serialize)]
@@ -26,7 +29,9 @@ pub struct PlanReport {
     dry_run: Option<DryRunReport>,
     /// By the costs of a reference machine, the same on every machine; settings are compared by it.
     predicted_real_time_factor: f64,
+    /// With every queue full, and while sinks keep up.
     predicted_rss_mib: f64,
+    predicted_rss_kept_up_mib: f64,
 }
 
 /// What was made before a run.
@@ -96,7 +101,7 @@ pub fn echo_text(plan: &Plan) -> String {
 }
 
 impl PlanReport {
-    pub fn new(plan: &Plan, real_time_factor: f64, bytes: u64) -> Self {
+    pub fn new(plan: &Plan, real_time_factor: f64, bytes: Predicted) -> Self {
         Self {
             error_db: plan.asked.error_db,
             settings: settings::settings(Some(&plan.chosen)),
@@ -109,7 +114,8 @@ impl PlanReport {
                 tries: run.tries,
             }),
             predicted_real_time_factor: real_time_factor,
-            predicted_rss_mib: bytes as f64 / f64::from(1 << 20),
+            predicted_rss_mib: bytes.at_most as f64 / MIB,
+            predicted_rss_kept_up_mib: bytes.kept_up as f64 / MIB,
         }
     }
 
@@ -163,9 +169,19 @@ impl PlanReport {
                     digits(self.predicted_real_time_factor)
                 ),
             ),
-            described("memory", format!("up to {:.0} MiB resident", self.predicted_rss_mib)),
+            described("memory", self.memory()),
         ]);
         rows
+    }
+
+    fn memory(&self) -> String {
+        let [most, kept_up] = [self.predicted_rss_mib, self.predicted_rss_kept_up_mib].map(f64::round);
+        let full = if most > kept_up {
+            format!(", {most} with the queues of all sinks full")
+        } else {
+            String::new()
+        };
+        format!("up to {kept_up} MiB resident{full}")
     }
 }
 

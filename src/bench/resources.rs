@@ -29,7 +29,7 @@ pub struct Resources {
     pub threads: usize,
     /// One pulse with its records, bytes.
     pub pulse_bytes: usize,
-    /// Memory of the ring and of the sinks' queues, bytes.
+    /// Memory of the ring, and of what sinks hold with all their queues full, bytes.
     pub memory_bytes: u64,
     /// The sea in all workers, bytes, about.
     pub sea_bytes: u64,
@@ -112,14 +112,14 @@ impl PulseStream {
             factory.make(index, &mut slot, &mut work)?;
             targets_in_window = targets_in_window.max(factory.targets_in_window(&slot));
         }
-        let pulse_bytes = factory.layout().slot_bytes();
+        let (pulse_bytes, slots) = (factory.layout().slot_bytes(), self.slots());
         let prf_hz = schedule.times.mean_prf_hz();
         Ok(Resources {
             pulses: schedule.count,
             duration_s: schedule.times.interval_s(schedule.first, schedule.end()),
             threads,
             pulse_bytes,
-            memory_bytes: (self.waiting_pulses() * pulse_bytes) as u64,
+            memory_bytes: ((slots.ring + slots.held) * pulse_bytes) as u64,
             sea_bytes: self.sea_bytes(),
             recording_bytes: schedule.count.saturating_mul(pulse_bytes as u64),
             bytes_per_s: prf_hz * pulse_bytes as f64,

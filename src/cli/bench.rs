@@ -52,7 +52,7 @@ pub(super) fn bench(args: &BenchArgs, begun: Instant, out: &mut dyn Write) -> Re
     warn_of_scene(&run);
     let pulses = args.pulses.unwrap_or(run.scene.pulses);
     let stream = build::on_nominal_tracks(&run, 0..pulses)?;
-    let (bytes, prepared) = (stream.predicted_bytes(), Arc::clone(stream.prepared()));
+    let (bytes, prepared) = (stream.predicted_bytes(&[]).at_most, Arc::clone(stream.prepared()));
     let (status, watcher) = progress::watch();
     let lasts = args.pulses.is_none().then_some(TRIAL);
     let measured = speed::speed(stream, lasts, Some(status));

@@ -14,6 +14,7 @@ use crate::bench::assessment::Assessment;
 use crate::bench::plan::PlanReport;
 use crate::bench::resources::Resources;
 use crate::config::Run;
+use crate::pipeline::memory::Slots;
 use crate::pipeline::plausible;
 use crate::pulse::SampleFormat;
 use crate::units::digits;
@@ -75,9 +76,8 @@ fn scenario_report(run: &Run) -> Report {
     };
     let pulse_mb = (layout.channels * layout.samples * sample_bytes) as f64 / 1e6;
     let (rate, all) = (pulse_mb * radar.emissions.mean_prf_hz(), pulse_mb * scene.pulses as f64);
-    let slots = run.stream.ring_slots + run.sinks.iter().map(|sink| sink.queue_pulses).sum::<usize>();
-    let bytes = layout.slot_bytes();
-    let memory_mib = slots as f64 * bytes as f64 / f64::from(1 << 20);
+    let (slots, bytes) = (Slots::of(&run.stream, &run.sinks), layout.slot_bytes());
+    let [ring_mib, queues_mib] = [slots.ring, slots.held].map(|n| (n * bytes) as f64 / f64::from(1 << 20));
     let mut report = Report::default();
     let name = run.path.display().to_string();
     report.section(&name, &scenario::rows(run)).value("scenario", &name);
@@ -90,13 +90,15 @@ fn scenario_report(run: &Run) -> Report {
         .row(
             "data",
             format!(
-                "{rate:.3} MB/s of samples, {all:.3} MB in all; {bytes} bytes per pulse in memory, {memory_mib:.1} MiB of ring and queues"
+                "{rate:.3} MB/s of samples, {all:.3} MB in all; {bytes} bytes per pulse in memory, {ring_mib:.1} MiB of ring, \
+                 up to {queues_mib:.1} more that sinks hold"
             ),
         )
         .value("pulse_bytes", bytes)
         .value("sample_rate_mb_per_s", rate)
         .value("samples_mb", all)
-        .value("memory_mib", memory_mib);
+        .value("ring_mib", ring_mib)
+        .value("memory_mib", ring_mib + queues_mib);
     report
 }
 

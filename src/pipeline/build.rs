@@ -9,7 +9,7 @@
 
 use super::factory::with_files;
 use super::fault::{BuildError, BuildErrors};
-use super::memory::available_bytes;
+use super::memory::{Predicted, Slots, UNUSED_SLOT_BYTES, available_bytes};
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
@@ -32,10 +32,10 @@ use crate::radar::fault::{RadarError, RadarFault};
 use crate::recording::header::Header;
 use crate::scene::Scene;
 use crate::sea::fleet::{self, FleetError};
+use crate::sinks;
 use crate::sinks::crsd::Plan as CrsdPlan;
 use crate::sinks::sink::{SinkError, SinkReport, drain};
-use crate::sinks::{self, OnFailure};
-use crate::transport::fanout::{Fed, Role};
+use crate::transport::fanout::Fed;
 use crate::transport::pacer::{InHand, Status};
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Stream};
@@ -339,7 +339,7 @@ impl PulseStream {
     /// A view of what will be released, for [`Self::run_in_view`], and its consumer, fed through a queue of
     /// so many pulses. It never blocks the stream: where its queue is full it alone misses pulses.
     pub fn view(&self, queue_pulses: usize) -> (View, Onlooker) {
-        view::view(queue_pulses, self.factory.layout())
+        view::view(queue_pulses)
     }
 
     /// What the converter of each channel is fed with: set when the run has ended, empty without a converter.
@@ -366,17 +366,22 @@ impl PulseStream {
         self.sea_bytes
     }
 
-    /// What the run takes of memory, bytes, as far as it is predicted.
-    pub fn predicted_bytes(&self) -> u64 {
+    /// What the run takes of memory with these sinks, as far as it is predicted.
+    pub fn predicted_bytes(&self, sinks: &[sinks::Settings]) -> Predicted {
         let grids = self.factory.grid_bytes().saturating_mul(self.threads() as u64);
-        let waiting = (self.waiting_pulses() * self.factory.layout.slot_bytes()) as u64;
-        let parts = [self.sea_bytes, self.ship_bytes, grids, waiting];
-        parts.into_iter().fold(PROGRAM_BYTES, u64::saturating_add)
+        let Slots { ring, held } = Slots::of(&self.settings, sinks);
+        let slot_bytes = self.factory.layout.slot_bytes() as u64;
+        let of = |slots: usize, bytes: u64| (slots as u64).saturating_mul(bytes);
+        let parts = [self.sea_bytes, self.ship_bytes, grids, of(ring, slot_bytes)];
+        let all = parts.into_iter().fold(PROGRAM_BYTES, u64::saturating_add);
+        let [kept_up, at_most] =
+            [slot_bytes.min(UNUSED_SLOT_BYTES), slot_bytes].map(|each| all + of(held, each));
+        Predicted { kept_up, at_most }
     }
 
-    /// Slots of the ring and of all queues.
-    pub(crate) fn waiting_pulses(&self) -> usize {
-        self.settings.ring_slots + self.sinks.iter().map(|sink| sink.queue_pulses).sum::<usize>()
+    /// Slots for pulses.
+    pub(crate) fn slots(&self) -> Slots {
+        Slots::of(&self.settings, &self.sinks)
     }
 
     /// Runs to the end or until `stop` is set; progress goes to `status`.
@@ -415,16 +420,6 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         mut see: impl FnMut(&Pulse) + Send,
     ) -> Result<RunOutcome, BuildErrors> {
-        self.hand_over(stop, move |pulse| see(pulse))
-    }
-
-    /// Runs like [`Self::tap`] for somebody who may keep a pulse and leave another of the same layout in its
-    /// place.
-    pub(super) fn hand_over(
-        self,
-        stop: &Arc<AtomicBool>,
-        mut see: impl FnMut(&mut Pulse) + Send,
-    ) -> Result<RunOutcome, BuildErrors> {
         self.start(stop, None, None, Some(&mut see)).map(|(outcome, _)| outcome)
     }
 
@@ -443,7 +438,7 @@ impl PulseStream {
         status: Option<Sender<Status>>,
         mut see: impl FnMut(&Pulse) + Send,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
-        self.start(stop, status, None, Some(&mut |pulse: &mut Pulse| see(pulse)))
+        self.start(stop, status, None, Some(&mut see))
     }
 
     fn start(
@@ -451,7 +446,7 @@ impl PulseStream {
         stop: &Arc<AtomicBool>,
         status: Option<Sender<Status>>,
         view: Option<View>,
-        tap: Option<&mut (dyn FnMut(&mut Pulse) + Send)>,
+        tap: Option<&mut (dyn FnMut(&Pulse) + Send)>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self {
             mut factory,
@@ -499,13 +494,13 @@ impl PulseStream {
                 0 => sink.name().to_owned(),
                 n => format!("{} {}", sink.name(), n + 1),
             };
-            let role = Role { lossless: true, may_fail: settings.on_failure == OnFailure::Continue };
-            stream.sink_as(&name, settings.queue_pulses, role, move |feed| drain(sink, feed).map(Some))?;
+            let take = move |feed| drain(sink, feed).map(Some);
+            stream.sink_as(&name, settings.queue_pulses, settings.role(), take)?;
         }
         if let Some(see) = tap {
             stream.sink("tap", settings.ring_slots, move |mut feed| {
                 loop {
-                    let fed = feed.next_slot(sinks::sink::FLUSH_INTERVAL, |pulse| {
+                    let fed = feed.next(sinks::sink::FLUSH_INTERVAL, |pulse| {
                         see(pulse);
                         Ok::<_, SinkError>(())
                     })?;

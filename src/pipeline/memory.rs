@@ -13,7 +13,8 @@
 //! | the same of a worker | nodes and factors of a block, `path_bytes` each |
 //! | scatterers of breaking waves | the same, and those that are kept for all workers |
 //! | grids of a worker | pulses of a block x cells x 2 floats per channel |
-//! | ring and queues | pulses that wait x bytes of a pulse |
+//! | ring | its pulses x bytes of a pulse |
+//! | queues | distinct pulses that sinks hold x bytes of a pulse; see [`Slots`] |
 //!
 //! Bytes a facet are those of the buffers as they are, found from the resident memory of seas of 256 x 256
 //! and 512 x 512 facets with one and two workers; of pulses one by one, which have lists of exact scatterer
@@ -23,6 +24,8 @@ use crate::echo::Fidelity;
 use crate::paths::block::{FORGETTING_BYTES, FORGETTING_ROOM_BYTES};
 use crate::scene::Scene;
 use crate::scene::sea::{BraggWaves, PatchPlace, Waves};
+use crate::sinks;
+use crate::transport::{self, fanout};
 use std::fs;
 
 /// The program, its libraries, stacks, tables.
@@ -38,6 +41,37 @@ pub const CHOPPY_FACET_BYTES: [u64; 2] = [32, 64];
 /// Of each worker of the fast echo, a facet, where the patch follows or waves are choppy: a surface of its
 /// own for the shadows, and updates that blocks share.
 pub const FOLLOW_FACET_BYTES: u64 = 250;
+
+/// Of a slot that no pulse was in yet: its records, and the pages at both ends of its samples.
+pub const UNUSED_SLOT_BYTES: u64 = 8 << 10;
+
+/// Slots for pulses of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slots {
+    /// Between generation and release.
+    pub ring: usize,
+    /// For what sinks hold of released pulses when all their queues are full. Memory is taken as they fill:
+    /// while sinks keep up each takes [`UNUSED_SLOT_BYTES`] or less.
+    pub held: usize,
+}
+
+impl Slots {
+    /// Of a stream with these sinks.
+    pub fn of(settings: &transport::Settings, sinks: &[sinks::Settings]) -> Self {
+        let roles = sinks.iter().map(|sink| (sink.queue_pulses, sink.role()));
+        // And one of each sink, for the pulse after a gap.
+        Self { ring: settings.ring_slots, held: fanout::held_at_most(settings, roles) + sinks.len() }
+    }
+}
+
+/// What a run takes of memory, bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Predicted {
+    /// While sinks keep up.
+    pub kept_up: u64,
+    /// With every queue full.
+    pub at_most: u64,
+}
 
 /// About what the sea of a scene takes, bytes.
 pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {

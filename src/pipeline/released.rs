@@ -1,7 +1,7 @@
 //! The pulses of a run, taken one by one.
 //!
-//! The run goes on in a thread of its own. Every pulse is handed over as it was made: the run goes on with
-//! another slot, and nothing is copied. Who takes pulses slower than they are made holds up a run at pace
+//! The run goes on in a thread of its own. Every pulse is handed over as a copy, which whoever takes it may
+//! keep: the run needs its slots. Who takes pulses slower than they are made holds up a run at pace
 //! `fast`; one in real time goes on without them, and the next pulse that is taken has the flag
 //! [`AFTER_GAP`](crate::pulse::flags::AFTER_GAP).
 
@@ -79,11 +79,11 @@ impl ReleasedPulses {
         let (sender, pulses) = bounded(WAITING);
         let (header, control) = (stream.header().clone(), stream.control());
         let stop = Arc::new(AtomicBool::new(false));
-        let (asked, layout) = (Arc::clone(&stop), header.layout);
+        let asked = Arc::clone(&stop);
         let hand_over = move || {
-            stream.hand_over(&asked, |slot| {
+            stream.tap(&asked, |pulse| {
                 // Who has closed the stream takes no more.
-                let _ = sender.send(Box::new(std::mem::replace(slot, Pulse::new(&layout))));
+                let _ = sender.send(Box::new(pulse.clone()));
             })
         };
         let run = thread::Builder::new().name("run".to_owned()).spawn(hand_over).map_err(|error| {

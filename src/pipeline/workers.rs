@@ -80,6 +80,7 @@ pub(super) fn generate(
             });
             let pulses = (claim.first..).zip(&mut claim.slots);
             for (index, slot) in pulses {
+                slot.fit(factory.layout());
                 factory.make(index, slot, work).inspect_err(|_| dispatcher.call_off())?;
             }
             if let (Some(nav), Some(begun)) = (nav, begun) {

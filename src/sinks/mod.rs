@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use crate::files;
 use crate::recording::output::recognise_crsd;
 use crate::recording::plain::recognise;
+use crate::transport::fanout::Role;
 use sink::SinkError;
 
 pub(crate) mod description;
@@ -58,6 +59,11 @@ impl Settings {
     /// A sink without which the run ends.
     pub fn new(kind: Kind, queue_pulses: usize) -> Self {
         Self { kind, queue_pulses, on_failure: OnFailure::Stop }
+    }
+
+    /// What it is to the stream.
+    pub(crate) fn role(&self) -> Role {
+        Role { lossless: true, may_fail: self.on_failure == OnFailure::Continue }
     }
 }
 

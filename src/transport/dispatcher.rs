@@ -11,9 +11,6 @@
 //! Generation is *at work* as long as its workers are: its time is the mean of theirs, without their waits
 //! for slots.
 
-// Boxes are the slots of the ring: their addresses move, pulses stay.
-#![allow(clippy::vec_box)]
-
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -24,7 +21,7 @@ use crate::pulse::Pulse;
 
 use super::health::Health;
 use super::pacer::Worth;
-use super::ring::{Bell, NAP, Producer};
+use super::ring::{Bell, NAP, Producer, Slot};
 
 /// Workers of a stream.
 pub struct Dispatcher<'a> {
@@ -42,16 +39,16 @@ pub struct Dispatcher<'a> {
 }
 
 struct Held<'a> {
-    ring: &'a mut Producer<Pulse>,
+    ring: &'a mut Producer<Slot<Pulse>>,
     /// The first pulse that nobody has claimed.
     next: u64,
     /// Slots claimed so far, and those that have reached the ring.
     claimed: u64,
     put: u64,
     /// Delivered before their turn: slot `n` at `n` modulo the ring's length.
-    early: Vec<Option<Box<Pulse>>>,
+    early: Vec<Option<Slot<Pulse>>>,
     /// Emptied lists, to be filled again: one for each worker.
-    spare: Vec<Vec<Box<Pulse>>>,
+    spare: Vec<Vec<Slot<Pulse>>>,
     /// Time of all workers that has been counted.
     counted: Duration,
     waited: Duration,
@@ -62,8 +59,9 @@ struct Held<'a> {
 pub struct Claim {
     /// The first pulse; the others follow it.
     pub first: u64,
-    /// A slot for each. It still holds some earlier pulse: every field, `flags` too, is to be overwritten.
-    pub slots: Vec<Box<Pulse>>,
+    /// A slot for each, to be [fitted](Pulse::fit). It may hold some earlier pulse: every field, `flags` too,
+    /// is to be overwritten.
+    pub slots: Vec<Slot<Pulse>>,
     /// Slots claimed before.
     before: u64,
     since: Instant,
@@ -82,7 +80,7 @@ impl Drop for Watch<'_> {
 
 impl<'a> Dispatcher<'a> {
     pub(super) fn new(
-        ring: &'a mut Producer<Pulse>,
+        ring: &'a mut Producer<Slot<Pulse>>,
         pulses: Range<u64>,
         workers: usize,
         worth: &'a Worth,

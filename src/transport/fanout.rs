@@ -1,4 +1,4 @@
-//! From the pacer to every sink, each through a ring of its own.
+//! From the pacer to every sink, each through a queue of its own.
 //!
 //! In real time a full queue means that the pulse is missed *by that sink*: counted, and the next
 //! pulse that the sink gets carries `AFTER_GAP`. The others are not held up. At pace `fast` a full
@@ -7,8 +7,8 @@
 //!
 //! A sink that is gone ends the run, unless it may fail: then the others go on without it.
 //!
-//! The last outlet gets the slot itself in exchange for a free one of its own, the others a copy; with
-//! one sink nothing is copied. A [`View`] gets a copy before them, if it has room.
+//! Nothing is copied: sinks, and a [`View`], share the pulse in its slot, see [`pool`](super::pool). Only a
+//! sink that missed pulses before one gets a copy of that one, made by itself, to be told so.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,14 +18,15 @@ use std::time::{Duration, Instant};
 use crate::pulse::{Layout, Pulse, flags};
 
 use super::health::SinkHealth;
-use super::ring::{self, Consumer, NAP, Polled, Producer};
+use super::pool::{self, Lane, Pool, Reader};
+use super::ring::{NAP, Polled, Slot};
 use super::view::View;
-use super::{Pace, StreamError};
+use super::{Pace, Policy, Settings, StreamError};
 
 /// The way to one sink.
 #[derive(Debug)]
 pub struct Outlet {
-    queue: Producer<Pulse>,
+    lane: Lane,
     gap: bool,
     role: Role,
     health: Arc<SinkHealth>,
@@ -43,7 +44,9 @@ pub struct Role {
 /// What a sink's thread reads from.
 #[derive(Debug)]
 pub struct Feed {
-    queue: Consumer<Pulse>,
+    reader: Reader,
+    /// For a pulse of which this sink alone is to know that it comes after a gap.
+    marked: Pulse,
     health: Arc<SinkHealth>,
 }
 
@@ -62,6 +65,7 @@ pub enum Fed<R> {
 #[derive(Debug)]
 pub struct FanOut {
     outlets: Vec<Outlet>,
+    pool: Pool,
     pace: Pace,
     view: Option<View>,
 }
@@ -74,12 +78,19 @@ pub fn outlet(name: &str, slots: usize, role: Role, layout: &Layout) -> Result<(
     if slots == 0 {
         return Err(StreamError::EmptyQueue { sink: name.to_owned() });
     }
-    let (producer, consumer) = ring::ring((0..slots).map(|_| Pulse::new(layout)));
+    let (lane, reader) = pool::lane(slots);
     let health = Arc::new(SinkHealth::new(name, slots, role.lossless));
     Ok((
-        Outlet { queue: producer, gap: false, role, health: Arc::clone(&health) },
-        Feed { queue: consumer, health },
+        Outlet { lane, gap: false, role, health: Arc::clone(&health) },
+        Feed { reader, marked: Pulse::reserved(layout), health },
     ))
+}
+
+/// Distinct pulses that sinks hold at most, given how many may wait for each.
+pub fn held_at_most(settings: &Settings, sinks: impl IntoIterator<Item = (usize, Role)>) -> usize {
+    let fast = settings.pace == Pace::Fast;
+    let slip = settings.policy == Policy::Slip;
+    pool::held_at_most(sinks.into_iter().map(|(slots, role)| (slots, fast || (slip && role.lossless))))
 }
 
 impl Outlet {
@@ -88,8 +99,22 @@ impl Outlet {
     }
 
     /// Whether a pulse has to wait until this sink has room for it.
-    fn is_short(&mut self) -> bool {
-        self.role.lossless && !self.queue.is_abandoned() && self.queue.try_reserve().is_none()
+    fn is_short(&mut self, pool: &mut Pool) -> bool {
+        self.role.lossless && !self.lane.is_abandoned() && !self.lane.has_room(pool)
+    }
+
+    /// Waits until this sink has room; `false` when it has gone. Sinks always empty their queues, so that a
+    /// stop need not cut this wait short.
+    fn await_room(&mut self, pool: &mut Pool) -> bool {
+        loop {
+            if self.lane.is_abandoned() {
+                return false;
+            }
+            if self.lane.has_room(pool) {
+                return true;
+            }
+            thread::sleep(NAP);
+        }
     }
 }
 
@@ -99,7 +124,7 @@ impl Feed {
         self.health.wrote_in_all(pulses);
     }
 
-    /// Waits up to `timeout` for a pulse and hands it to `take`; the slot goes back afterwards.
+    /// Waits up to `timeout` for a pulse and hands it to `take`; it goes back afterwards.
     ///
     /// # Errors
     /// That of `take`.
@@ -108,21 +133,19 @@ impl Feed {
         timeout: Duration,
         take: impl FnOnce(&Pulse) -> Result<R, E>,
     ) -> Result<Fed<R>, E> {
-        self.next_slot(timeout, |pulse| take(pulse))
-    }
-
-    /// The same for somebody who may keep the pulse, and leave another of the same layout in its place.
-    pub fn next_slot<R, E>(
-        &mut self,
-        timeout: Duration,
-        take: impl FnOnce(&mut Pulse) -> Result<R, E>,
-    ) -> Result<Fed<R>, E> {
-        match self.queue.wait_for(timeout) {
-            Polled::Slot(mut pulse) => {
-                let taken = take(&mut pulse);
-                self.queue.give_back(pulse);
+        let Self { reader, marked, health } = self;
+        let read = reader.wait_for(timeout, |pulse, _, after_gap| {
+            if !after_gap {
+                return take(pulse);
+            }
+            marked.copy_from(pulse);
+            marked.flags |= flags::AFTER_GAP;
+            take(marked)
+        });
+        match read {
+            Polled::Slot(taken) => {
                 if taken.is_ok() {
-                    self.health.wrote();
+                    health.wrote();
                 }
                 taken.map(Fed::Pulse)
             }
@@ -133,13 +156,15 @@ impl Feed {
 }
 
 impl FanOut {
-    /// Over these outlets.
-    pub fn new(outlets: Vec<Outlet>, pace: Pace) -> Self {
-        Self { outlets, pace, view: None }
+    /// Over these outlets, with slots for all that they may hold.
+    pub fn new(outlets: Vec<Outlet>, settings: &Settings, layout: &Layout) -> Self {
+        let held = held_at_most(settings, outlets.iter().map(|outlet| (outlet.lane.slots(), outlet.role)));
+        Self { outlets, pool: Pool::new(held, layout), pace: settings.pace, view: None }
     }
 
     /// Lets an onlooker see what is sent.
-    pub fn with_view(self, view: Option<View>) -> Self {
+    pub fn with_view(mut self, view: Option<View>) -> Self {
+        self.pool.grow(view.as_ref().map_or(0, View::slots));
         Self { view, ..self }
     }
 
@@ -147,7 +172,8 @@ impl FanOut {
     /// `stop` is set. Returns whether it had to wait.
     pub fn make_room(&mut self, until: Instant, stop: &AtomicBool) -> bool {
         let mut waited = false;
-        while self.outlets.iter_mut().any(Outlet::is_short) {
+        let Self { outlets, pool, .. } = self;
+        while outlets.iter_mut().any(|outlet| outlet.is_short(pool)) {
             let left = until.saturating_duration_since(Instant::now());
             if left.is_zero() || stop.load(Ordering::Acquire) {
                 break;
@@ -161,46 +187,38 @@ impl FanOut {
     /// Hands a pulse to every sink; the slot that comes back is free (its content is of no use).
     /// `None` when a sink is gone that may not fail, or all are: they failed, or have had enough; the run
     /// ends then.
-    pub fn send(&mut self, mut pulse: Box<Pulse>) -> Option<Box<Pulse>> {
-        // Sinks always empty their queues, so a stop need not cut this wait short.
-        static NEVER: AtomicBool = AtomicBool::new(false);
-        if self.view.as_mut().is_some_and(|view| !view.offer(&pulse)) {
-            self.view = None;
+    pub fn send(&mut self, pulse: Slot<Pulse>) -> Option<Slot<Pulse>> {
+        let pulse = pulse.share();
+        let Self { outlets, pool, pace, view } = self;
+        if view.as_mut().is_some_and(|view| !view.offer(&pulse, pool)) {
+            *view = None;
         }
-        let last = self.outlets.len().checked_sub(1);
-        let mut gone = last.is_some();
-        for (k, outlet) in self.outlets.iter_mut().enumerate() {
-            if outlet.queue.is_abandoned() {
+        let mut gone = !outlets.is_empty();
+        for outlet in outlets {
+            if outlet.lane.is_abandoned() {
                 if !outlet.role.may_fail {
                     return None;
                 }
+                outlet.lane.has_room(pool);
                 outlet.health.missed();
                 continue;
             }
             gone = false;
-            let slot = match self.pace {
-                Pace::Realtime => outlet.queue.try_reserve(),
-                Pace::Fast => outlet.queue.reserve(1, &NEVER).and_then(|slots| slots.first_mut()),
+            let room = match pace {
+                Pace::Realtime => outlet.lane.has_room(pool),
+                Pace::Fast => outlet.await_room(pool),
             };
-            let Some(slot) = slot else {
-                if self.pace == Pace::Fast && !outlet.role.may_fail {
+            if !room {
+                if *pace == Pace::Fast && !outlet.role.may_fail {
                     return None;
                 }
                 outlet.gap = true;
                 outlet.health.missed();
                 continue;
-            };
-            if Some(k) == last {
-                std::mem::swap(slot, &mut pulse);
-            } else {
-                slot.copy_from(&pulse);
             }
-            if std::mem::take(&mut outlet.gap) {
-                slot.flags |= flags::AFTER_GAP;
-            }
-            outlet.queue.commit(1);
-            outlet.health.queue_level(outlet.queue.filled());
+            outlet.lane.send(&pulse, std::mem::take(&mut outlet.gap));
+            outlet.health.queue_level(outlet.lane.waiting());
         }
-        (!gone).then_some(pulse)
+        (!gone).then(|| pool.exchange(pulse))
     }
 }

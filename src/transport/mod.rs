@@ -18,6 +18,8 @@ mod durations;
 #[doc(hidden)]
 pub mod health;
 #[doc(hidden)]
+pub mod pool;
+#[doc(hidden)]
 pub mod view;
 #[doc(hidden)]
 pub mod fanout;

@@ -68,7 +68,7 @@ use super::fanout::FanOut;
 use super::health::Health;
 use super::judge::Judge;
 use super::rights;
-use super::ring::{Consumer, DOZE, NAP, Polled};
+use super::ring::{Consumer, DOZE, NAP, Polled, Slot};
 use super::schedule::Schedule;
 use super::{Pace, Policy, Settings};
 
@@ -130,7 +130,7 @@ impl Worth {
 #[derive(Debug)]
 pub struct Pacer {
     /// The main ring.
-    pub ring: Consumer<Pulse>,
+    pub ring: Consumer<Slot<Pulse>>,
     /// Where pulses go.
     pub fan_out: FanOut,
     /// When pulses are due.
@@ -149,7 +149,7 @@ pub struct Pacer {
 enum Arrival {
     /// A pulse, and whether it was made too late.
     Pulse {
-        pulse: Box<Pulse>,
+        pulse: Slot<Pulse>,
         too_late: bool,
     },
     Ended,

@@ -1,8 +1,9 @@
 //! Preallocated slots that travel between two threads.
 //!
 //! A ring of `n` slots is two lock-free queues: `filled` from the producer to the consumer and `free`
-//! back. Every slot is a box that is allocated once, at construction; afterwards only the boxes'
-//! addresses move, so neither side allocates, and a slot is never copied.
+//! back. Every slot is allocated once, at construction; afterwards only the slots' addresses move, so neither
+//! side allocates, and a slot is never copied. A [`lane`] is the same without slots of its own: it carries
+//! what it is [sent](Producer::send), and [back](Producer::take_back).
 //!
 //! The producer takes a batch of free slots ([`Producer::reserve`]), fills them in any order (in
 //! parallel, for example), and commits the batch in one step: the order in the ring is the order in
@@ -35,6 +36,7 @@
 //! assert_eq!(seen, [0, 1, 2]);
 //! ```
 
+use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicBool, Ordering, fence};
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, Thread};
@@ -82,45 +84,85 @@ impl Bell {
     }
 }
 
-/// The end that fills slots.
+/// A place for a `T`. Whoever holds it is alone with it and may write to it; [shared](Self::share), it can be
+/// read by several.
 #[derive(Debug)]
-pub struct Producer<T> {
-    filled: rtrb::Producer<Box<T>>,
-    free: rtrb::Consumer<Box<T>>,
+pub struct Slot<T>(Arc<T>);
+
+impl<T> Slot<T> {
+    /// A slot with this content.
+    pub fn new(content: T) -> Self {
+        Self(Arc::new(content))
+    }
+
+    /// Gives up writing to it.
+    pub fn share(self) -> Arc<T> {
+        self.0
+    }
+
+    /// What was shared becomes a slot again where nobody else holds it; otherwise it is let go of.
+    pub fn reclaim(mut shared: Arc<T>) -> Option<Self> {
+        Arc::get_mut(&mut shared).is_some().then(|| Self(shared))
+    }
+}
+
+impl<T> Deref for Slot<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.0
+    }
+}
+
+impl<T: Clone> DerefMut for Slot<T> {
+    fn deref_mut(&mut self) -> &mut T {
+        // A slot is alone with its content, so this never copies; nor could a reader see a change otherwise.
+        Arc::make_mut(&mut self.0)
+    }
+}
+
+/// The end that fills slots, each an `S`.
+#[derive(Debug)]
+pub struct Producer<S> {
+    filled: rtrb::Producer<S>,
+    free: rtrb::Consumer<S>,
     /// Slots taken and not yet committed; its capacity is the ring's.
-    batch: Vec<Box<T>>,
+    batch: Vec<S>,
     slots: usize,
     bell: Arc<Bell>,
 }
 
-/// The end that empties slots.
+/// The end that empties slots. What it has not emptied when it goes is free.
 #[derive(Debug)]
-pub struct Consumer<T> {
-    filled: rtrb::Consumer<Box<T>>,
-    free: rtrb::Producer<Box<T>>,
+pub struct Consumer<S> {
+    filled: rtrb::Consumer<S>,
+    free: rtrb::Producer<S>,
     bell: Arc<Bell>,
 }
 
 /// What polling a ring finds.
 #[derive(Debug)]
-pub enum Polled<T> {
+pub enum Polled<S> {
     /// The next filled slot.
-    Slot(Box<T>),
+    Slot(S),
     /// Nothing yet.
     Empty,
     /// Nothing, and nothing will come.
     Ended,
 }
 
-/// A ring that holds the given slots, all free.
-pub fn ring<T>(slots: impl IntoIterator<Item = T>) -> (Producer<T>, Consumer<T>) {
-    let boxes: Vec<Box<T>> = slots.into_iter().map(Box::new).collect();
-    let slots = boxes.len();
+/// A ring of slots with these contents, all free.
+pub fn ring<T>(contents: impl IntoIterator<Item = T>) -> (Producer<Slot<T>>, Consumer<Slot<T>>) {
+    let filled: Vec<Slot<T>> = contents.into_iter().map(Slot::new).collect();
+    let (producer, mut consumer) = lane(filled.len());
+    filled.into_iter().for_each(|slot| consumer.give_back(slot));
+    (producer, consumer)
+}
+
+/// A ring for so many slots, which has none of its own.
+pub fn lane<S>(slots: usize) -> (Producer<S>, Consumer<S>) {
     let (filled_in, filled_out) = rtrb::RingBuffer::new(slots);
-    let (mut free_in, free_out) = rtrb::RingBuffer::new(slots);
-    if let Ok(chunk) = free_in.write_chunk_uninit(slots) {
-        chunk.fill_from_iter(boxes);
-    }
+    let (free_in, free_out) = rtrb::RingBuffer::new(slots);
     let bell = Arc::new(Bell::default());
     let batch = Vec::with_capacity(slots);
     (
@@ -129,7 +171,7 @@ pub fn ring<T>(slots: impl IntoIterator<Item = T>) -> (Producer<T>, Consumer<T>)
     )
 }
 
-impl<T> Producer<T> {
+impl<S> Producer<S> {
     /// Number of slots of the ring.
     pub fn slots(&self) -> usize {
         self.slots
@@ -147,7 +189,7 @@ impl<T> Producer<T> {
 
     /// Waits until `n` slots (at most all of the ring) are free and returns them, to be filled and then
     /// [committed](Self::commit). `None` when the consumer is gone or `stop` is set.
-    pub fn reserve(&mut self, n: usize, stop: &AtomicBool) -> Option<&mut [Box<T>]> {
+    pub fn reserve(&mut self, n: usize, stop: &AtomicBool) -> Option<&mut [S]> {
         let n = n.min(self.slots);
         loop {
             if self.is_abandoned() || stop.load(Ordering::Acquire) {
@@ -158,11 +200,6 @@ impl<T> Producer<T> {
             }
             thread::sleep(NAP);
         }
-    }
-
-    /// One free slot if there is one now; it is handed over by [`commit`](Self::commit)`(1)`.
-    pub fn try_reserve(&mut self) -> Option<&mut Box<T>> {
-        if self.gather(1) { self.batch.first_mut() } else { None }
     }
 
     fn gather(&mut self, n: usize) -> bool {
@@ -176,7 +213,7 @@ impl<T> Producer<T> {
     }
 
     /// Moves `n` free slots (at most all of the ring) to an empty list if there are as many now.
-    pub fn take(&mut self, n: usize, slots: &mut Vec<Box<T>>) -> bool {
+    pub fn take(&mut self, n: usize, slots: &mut Vec<S>) -> bool {
         let n = n.min(self.slots);
         let there = self.gather(n);
         if there {
@@ -192,11 +229,23 @@ impl<T> Producer<T> {
 
     /// Hands over slots that were [taken](Self::take), in order and in one step. It does not wake the
     /// consumer, so that it may be called with a lock held: the [bell](Self::bell) does.
-    pub fn put(&mut self, slots: &mut Vec<Box<T>>) {
+    pub fn put(&mut self, slots: &mut Vec<S>) {
         // Room for every slot that exists.
         if let Ok(chunk) = self.filled.write_chunk_uninit(slots.len()) {
             chunk.fill_from_iter(slots.drain(..));
         }
+    }
+
+    /// Hands over a slot that did not come from this ring, which is to have room for it.
+    pub fn send(&mut self, slot: S) {
+        // What has no room is let go of, as if it had never been sent.
+        let _ = self.filled.push(slot);
+        self.bell.ring();
+    }
+
+    /// A slot that the consumer has given back.
+    pub fn take_back(&mut self) -> Option<S> {
+        self.free.pop().ok()
     }
 
     /// Hands the first `n` reserved slots to the consumer, in order and in one step.
@@ -210,14 +259,14 @@ impl<T> Producer<T> {
     }
 }
 
-impl<T> Consumer<T> {
+impl<S> Consumer<S> {
     /// Filled slots that wait.
     pub fn filled(&self) -> usize {
         self.filled.slots()
     }
 
     /// Polls once.
-    pub fn poll(&mut self) -> Polled<T> {
+    pub fn poll(&mut self) -> Polled<S> {
         // Asked before the pop: what was committed before the producer went is still delivered.
         let ended = self.filled.is_abandoned();
         match self.filled.pop() {
@@ -228,7 +277,7 @@ impl<T> Consumer<T> {
     }
 
     /// Waits for the next slot. `None` at the end of the stream or when `stop` is set.
-    pub fn wait(&mut self, stop: &AtomicBool) -> Option<Box<T>> {
+    pub fn wait(&mut self, stop: &AtomicBool) -> Option<S> {
         loop {
             match self.poll() {
                 Polled::Slot(slot) => return Some(slot),
@@ -245,7 +294,7 @@ impl<T> Consumer<T> {
     }
 
     /// Waits for the next slot for at most `timeout`.
-    pub fn wait_for(&mut self, timeout: Duration) -> Polled<T> {
+    pub fn wait_for(&mut self, timeout: Duration) -> Polled<S> {
         let begun = Instant::now();
         loop {
             let found = self.poll();
@@ -258,9 +307,17 @@ impl<T> Consumer<T> {
     }
 
     /// Returns a slot to the producer.
-    pub fn give_back(&mut self, slot: Box<T>) {
+    pub fn give_back(&mut self, slot: S) {
         // Room for every slot that exists; a slot that is not of this ring is simply freed.
         let _ = self.free.push(slot);
+    }
+}
+
+impl<S> Drop for Consumer<S> {
+    fn drop(&mut self) {
+        while let Ok(slot) = self.filled.pop() {
+            self.give_back(slot);
+        }
     }
 }
 
@@ -317,6 +374,29 @@ mod tests {
         let (producer, mut consumer) = ring((0..2).map(|_| 0_u32));
         drop(producer);
         assert!(matches!(consumer.poll(), Polled::Ended));
+    }
+
+    /// The last of those who hold what was shared gets the slot, not a copy.
+    #[test]
+    fn a_shared_slot_is_whole_again_when_nobody_else_holds_it() {
+        let slot = Slot::new([7; 3]);
+        let (place, mine) = (std::ptr::from_ref(&*slot), slot.share());
+        let other = Arc::clone(&mine);
+        assert!(Slot::reclaim(mine).is_none());
+        let mut whole = Slot::reclaim(other).unwrap();
+        whole[0] = 8;
+        assert_eq!((*whole, std::ptr::from_ref(&*whole)), ([8, 7, 7], place));
+    }
+
+    #[test]
+    fn what_a_consumer_leaves_behind_comes_back() {
+        let (mut producer, consumer) = lane(2);
+        producer.send(1);
+        producer.send(2);
+        assert_eq!(producer.take_back(), None);
+        drop(consumer);
+        assert_eq!([(); 3].map(|()| producer.take_back()), [Some(1), Some(2), None]);
+        assert!(producer.is_abandoned());
     }
 
     #[test]

@@ -56,7 +56,7 @@ use super::fanout::{FanOut, Feed, Outlet, Role, outlet};
 use super::health::{Health, SinkHealth, Snapshot};
 use super::pacer::{Pacer, PacerError, Status, Worth};
 use super::rights;
-use super::ring::{Producer, ring};
+use super::ring::{Producer, Slot, ring};
 use super::schedule::Schedule;
 use super::view::View;
 use super::{Pace, Settings, StreamError};
@@ -88,7 +88,8 @@ pub struct Stream<'env, R, S> {
 /// Where generation gets slots and delivers pulses.
 #[derive(Debug)]
 pub struct Source {
-    ring: Producer<Pulse>,
+    ring: Producer<Slot<Pulse>>,
+    layout: Layout,
     worth: Worth,
     stop: Arc<AtomicBool>,
     health: Arc<Health>,
@@ -249,12 +250,14 @@ impl Barrier {
 impl Source {
     /// Waits for `n` free slots (at most the whole ring); `None` when the run is over: end then.
     /// A slot still holds some earlier pulse: every field, `flags` too, is to be overwritten.
-    pub fn reserve(&mut self, n: usize) -> Option<&mut [Box<Pulse>]> {
+    pub fn reserve(&mut self, n: usize) -> Option<&mut [Slot<Pulse>]> {
         // The wait is not work: stop the watch, then start it again.
         self.health.made(0, self.busy_since.elapsed());
         let slots = self.ring.reserve(n, &self.stop);
         self.busy_since = Instant::now();
-        slots
+        let slots = slots?;
+        slots.iter_mut().for_each(|slot| slot.fit(&self.layout));
+        Some(slots)
     }
 
     /// Hands over the first `n` reserved slots, in order.
@@ -359,6 +362,7 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
         }
         let mut source = Source {
             ring: producer,
+            layout,
             worth: worth.clone(),
             stop: Arc::clone(&stop),
             health: Arc::clone(&health),
@@ -367,7 +371,7 @@ impl<'env, R: Send, S: Send> Stream<'env, R, S> {
         };
         let pacer = Pacer {
             ring: consumer,
-            fan_out: FanOut::new(outlets, settings.pace).with_view(view),
+            fan_out: FanOut::new(outlets, &settings, &layout).with_view(view),
             schedule: schedule.clone(),
             settings,
             health: Arc::clone(&health),

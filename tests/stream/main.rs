@@ -8,4 +8,5 @@ mod stream_allocations;
 mod stream_ends;
 mod stream_fixture;
 mod stream_pacing;
+mod stream_shared;
 mod stream_view;

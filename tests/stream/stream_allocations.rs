@@ -103,7 +103,7 @@ fn counted_run() {
         let (sender, _receiver) = crossbeam_channel::bounded(4);
         run.status(sender);
         // Somebody looks on, as the live page does.
-        let (view, mut onlooker) = view::view(16, &LAYOUT);
+        let (view, mut onlooker) = view::view(16);
         run.view(view);
         let looking = std::thread::spawn(move || {
             while onlooker.poll(|_, _| {}) != view::Seen::Ended {

@@ -8,7 +8,7 @@ use std::time::Duration;
 use nereus::transport::view::{Seen, view};
 use nereus::transport::{Pace, Policy};
 
-use crate::stream_fixture::{LAYOUT, generate, remember, stream};
+use crate::stream_fixture::{generate, remember, stream};
 
 /// One that never looks, one that goes, one that looks at all: the sink gets every pulse, none is late for
 /// it.
@@ -18,7 +18,7 @@ fn an_onlooker_holds_up_nobody() {
         for manner in ["never looks", "goes", "looks"] {
             let mut stream = stream(pace, Policy::Slip, 0.05, 0, 400);
             stream.sink("all", 512, |feed| remember(feed, Duration::ZERO)).unwrap();
-            let (view, mut onlooker) = view(8, &LAYOUT);
+            let (view, mut onlooker) = view(8);
             stream.view(view);
             let seen = Arc::new(AtomicU64::new(0));
             let count = Arc::clone(&seen);

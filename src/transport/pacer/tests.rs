@@ -31,7 +31,7 @@ fn filled(policy: Policy, indices: &[u64], count: u64) -> (Pacer, Arc<Health>) {
     let health = Arc::new(Health::new(Vec::new(), 0));
     let pacer = Pacer {
         ring,
-        fan_out: FanOut::new(Vec::new(), Pace::Realtime),
+        fan_out: FanOut::new(Vec::new(), &Settings::default(), &LAYOUT),
         schedule: Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first: 0, count },
         settings: Settings {
             pace: Pace::Realtime,
@@ -131,7 +131,7 @@ fn after_a_standstill(
     let queue = if each.is_zero() { 256 } else { 4 };
     let (outlet, mut feed) = fanout::outlet("slow", queue, role, &LAYOUT).unwrap();
     let health = Arc::new(Health::new(vec![outlet.health()], 0));
-    let fan_out = FanOut::new(vec![outlet], Pace::Realtime);
+    let fan_out = FanOut::new(vec![outlet], &template.settings, &LAYOUT);
     let pacer = Pacer { fan_out, schedule, health: Arc::clone(&health), ..template };
     let start = Instant::now().checked_sub(Duration::from_secs(20)).unwrap();
     let left = thread::scope(|scope| {
