@@ -5,9 +5,10 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use nereus::cpu::Variant;
 use nereus::scene::Hull;
 use nereus::sea::wake::kochin::{Kochin, Transom};
-use nereus::sea::wake::{Course, Reach, Settings, ShortWaves};
+use nereus::sea::wake::{Course, Reach, Settings, ShortWaveNodes, ShortWaves};
 
 fn hull(c: &mut Criterion) {
     let mut group = c.benchmark_group("hull at 4.5 m/s");
@@ -49,6 +50,16 @@ fn short_waves(c: &mut Criterion) {
         b.iter(|| {
             let place = |i: u32| [100.0 + f64::from(i % 256), f64::from(i / 256) - 128.0];
             (0..65_536).map(|i| waves.psi_m4(black_box(place(i)), [0.0, 38.5])).sum::<f64>()
+        });
+    });
+    group.bench_function("nodes made", |b| b.iter(|| ShortWaveNodes::new(waves.clone())));
+    let nodes = ShortWaveNodes::new(waves.clone());
+    group.bench_function("65536 facets on nodes", |b| {
+        let (variant, wedge) = (Variant::fastest(), nodes.wedge(38.5));
+        b.iter(|| {
+            let places = (0..65_536u32).map(|i| [100.0 + f64::from(i % 256), f64::from(i / 256) - 128.0]);
+            let near = places.filter(|place| wedge.holds(*place));
+            near.map(|place| nodes.psi_m4(variant, black_box(place), [0.0, 38.5])).sum::<f64>()
         });
     });
 }

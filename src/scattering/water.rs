@@ -50,6 +50,8 @@ use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::{Speckle, WAVES, Wave};
 use super::two_rays::TwoRays;
 use super::two_scale::{Medium, Settings, TwoScale};
+use crate::cpu::Variant;
+use crate::geometry::lanes::{Row, WideRow};
 use crate::scattering::splitting::high_pass;
 use crate::scene::sea::{BraggWaves, LightWinds, Permittivity, SlickRegion};
 use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
@@ -57,8 +59,8 @@ use crate::scene::{Sea, Water};
 use crate::sea::fleet::Strip;
 use crate::sea::spectrum::{LightWind, Spectrum, SpectrumError, WaveVector, of_kind};
 use crate::sea::surface::modulation::Strength;
-use crate::sea::wake::ShortWaves;
 use crate::sea::wake::course::Pose;
+use crate::sea::wake::{ShortWaveNodes, ShortWaves};
 use crate::sea::wind::{Wind, WindError};
 
 /// Why water cannot scatter.
@@ -96,7 +98,7 @@ pub struct WaterScattering {
     /// Strips of the kinds after these.
     strips: Vec<Strip>,
     /// Ships whose short waves scatter beside those of the wind.
-    short_waves: Vec<ShortWaves>,
+    short_waves: Vec<ShortWaveNodes>,
     /// Direction the wind blows towards.
     downwind: [f64; 2],
     phases: Phases,
@@ -113,6 +115,19 @@ pub struct WaterScattering {
     wavenumber_radpm: f64,
     pub(super) cut_radpm: Option<f64>,
     spectrum: Arc<dyn Spectrum>,
+}
+
+/// The furthest astern of a ship and the nearest to its track that a rectangle reaches, m.
+fn nearest([[x0, x1], [y0, y1]]: [[f64; 2]; 2], pose: &Pose) -> [f64; 2] {
+    let corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]].map(|corner| pose.astern_starboard_m(corner));
+    let [mut astern_m, mut port_m, mut starboard_m] = [f64::NEG_INFINITY; 3];
+    for [x, y] in corners {
+        astern_m = astern_m.max(x);
+        port_m = port_m.max(-y);
+        starboard_m = starboard_m.max(y);
+    }
+    // On both sides of the track, or on one.
+    [astern_m, (-port_m.min(starboard_m)).max(0.0)]
 }
 
 /// Longest wave of which a strip knows the damping, rad/m.
@@ -327,7 +342,7 @@ impl WaterScattering {
     /// The same beside the short waves of ships ([`short_waves`](crate::sea::wake::short_waves)):
     /// [`Self::scatter_at`] has them.
     pub fn with_short_waves(self, short_waves: Vec<ShortWaves>) -> Self {
-        Self { short_waves, ..self }
+        Self { short_waves: short_waves.into_iter().map(ShortWaveNodes::new).collect(), ..self }
     }
 
     /// The same modulated by the waves of a map, of which it is the [`Strength`].
@@ -394,9 +409,9 @@ impl WaterScattering {
     /// with ships at these poses, m^4. Ships' spectra add: their waves have no phase in common that lasts.
     pub fn short_wave_psi_m4(&self, place_m: [f64; 2], [kx, ky]: [f64; 2], poses: &[Pose]) -> f64 {
         let poses = poses.get(self.strips.len()..).unwrap_or(&[]);
-        let of_ship = |(waves, pose): (&ShortWaves, &Pose)| {
+        let of_ship = |(nodes, pose): (&ShortWaveNodes, &Pose)| {
             let [cos, sin] = pose.ahead;
-            waves.psi_m4(pose.astern_starboard_m(place_m), [kx * cos + ky * sin, ky * cos - kx * sin])
+            nodes.waves().psi_m4(pose.astern_starboard_m(place_m), [kx * cos + ky * sin, ky * cos - kx * sin])
         };
         self.short_waves.iter().zip(poses).map(of_ship).sum()
     }
@@ -496,9 +511,50 @@ impl WaterScattering {
     }
 
     /// Spectrum of the short waves of ships at a place and a wave vector on the axes of the wind, m^4.
-    pub fn beside_m4(&self, place_m: [f64; 2], [along, across]: [f64; 2], poses: &[Pose]) -> f64 {
+    fn beside_m4(&self, place_m: [f64; 2], [along, across]: [f64; 2], poses: &[Pose]) -> f64 {
         let [cos, sin] = self.downwind;
         let k = [cos * along - sin * across, sin * along + cos * across];
         self.short_wave_psi_m4(place_m, k, poses)
+    }
+
+    /// The same of the first facets side by side, by nodes ([`ShortWaveNodes`]); returns whether any may have
+    /// such waves. All facets lie in a rectangle (least and largest x, and y).
+    pub fn beside_lanes(
+        &self,
+        variant: Variant,
+        (places_m, bounds_m): (&[WideRow; 2], [[f64; 2]; 2]),
+        poses: &[Pose],
+        (count, bragg): (usize, &[Row; 2]),
+        out: &mut Row,
+    ) -> bool {
+        let poses = poses.get(self.strips.len()..).unwrap_or(&[]);
+        let square = |i: usize| bragg[0][i] * bragg[0][i] + bragg[1][i] * bragg[1][i];
+        let magnitude = |i: usize| f64::from(square(i)).sqrt();
+        // Less the rounding of squares.
+        let least_radpm =
+            f64::from((0..count).map(square).fold(f32::INFINITY, f32::min)).sqrt() * (1.0 - 1e-6);
+        let mut any = false;
+        for (nodes, pose) in self.short_waves.iter().zip(poses) {
+            let wedge = nodes.wedge(least_radpm);
+            if !wedge.holds(nearest(bounds_m, pose)) {
+                continue;
+            }
+            // From the axes of the wind to those of the ship.
+            let [[cos, sin], [x, y]] = [self.downwind, pose.ahead];
+            let turn = [cos * x + sin * y, cos * y - sin * x];
+            for i in 0..count {
+                let place = pose.astern_starboard_m([places_m[0][i], places_m[1][i]]);
+                if !wedge.holds(place)
+                    || self.cut_radpm.is_some_and(|cut| high_pass(magnitude(i), cut) == 0.0)
+                {
+                    continue;
+                }
+                let [along, across] = [bragg[0][i], bragg[1][i]].map(f64::from);
+                let k = [along * turn[0] + across * turn[1], across * turn[0] - along * turn[1]];
+                out[i] += nodes.psi_m4(variant, place, k) as f32;
+                any = true;
+            }
+        }
+        any
     }
 }

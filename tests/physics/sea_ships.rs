@@ -1,5 +1,7 @@
 //! Ships in the echo at the ends of what is legal, and the narrow V of their short waves.
 
+use nereus::cpu::Variant;
+use nereus::geometry::lanes::LANES;
 use nereus::motion::PlatformTracks;
 use nereus::paths::PathGenerator;
 use nereus::paths::list::ScattererPaths;
@@ -197,6 +199,58 @@ fn facets_get_the_spectrum_of_the_short_waves() {
     // t = 17.8 for 38.5 rad/m: rays 7 m (stern) to 10 m (bow) off the track, at the edge of 16 x 16 facets;
     // in between and inside of it longer and shorter waves lie.
     assert!(greatest_db > 10.0 && raised > 10 && raised < bright.len());
+}
+
+/// The fast echo's facets side by side, on the axes of the wind, against one facet at a time.
+#[test]
+fn facets_side_by_side_get_it_too() {
+    let mut scene = with_ships(1.0, vec![ship(100.0, 9.0, [300.0, 0.0])]);
+    scene.ships.push(Ship { heading_rad: 2.0, ..ship(60.0, 7.0, [-40.0, 150.0]) });
+    let Some(sea) = &scene.sea else { panic!("a sea") };
+    let realised = realise(sea, scene.seed).unwrap();
+    let short_waves = fleet::short_waves(&scene.ships, 1.0, 60.0).unwrap();
+    let sight = Sight { carrier_hz: 1.3e9, seed: 1 };
+    let water = WaterScattering::new(sea, &realised.wind, realised.spectrum.into(), &[], sight)
+        .unwrap()
+        .with_short_waves(short_waves);
+    let mut poses = Vec::new();
+    water.poses(3.0, &mut poses);
+    let [cos, sin] = [realised.wind.direction_rad.cos(), realised.wind.direction_rad.sin()];
+    let (mut seen, mut dark) = (0, 0);
+    let mut errors = Vec::new();
+    for tile in 0..64 {
+        let [x0, y0] = [f64::from(16 * (tile % 8)) - 64.0, f64::from(16 * (tile / 8)) - 64.0];
+        let place = |i: usize| [x0 + (i % 16) as f64, y0 + (i / 16) as f64];
+        let (mut places_m, mut bragg) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2]);
+        for i in 0..LANES {
+            [places_m[0][i], places_m[1][i]] = place(i);
+            // To and fro about 38.5 rad/m from the South.
+            let k = [5.0 * (i as f64).sin(), 38.5 + 5.0 * (3.0 * i as f64).cos()];
+            bragg[0][i] = (cos * k[0] + sin * k[1]) as f32;
+            bragg[1][i] = (cos * k[1] - sin * k[0]) as f32;
+        }
+        let bounds_m = [[x0, x0 + 15.0], [y0, y0 + 15.0]];
+        let mut found = [0.0; LANES];
+        let any = water.beside_lanes(
+            Variant::fastest(),
+            (&places_m, bounds_m),
+            &poses,
+            (LANES, &bragg),
+            &mut found,
+        );
+        for i in 0..LANES {
+            let [along, across] = [bragg[0][i], bragg[1][i]].map(f64::from);
+            let k = [cos * along - sin * across, sin * along + cos * across];
+            let exact = water.short_wave_psi_m4(place(i), k, &poses);
+            assert!(any || (exact == 0.0 && found[i] == 0.0));
+            errors.push([exact.sqrt(), f64::from(found[i]).sqrt()]);
+        }
+        *(if any { &mut seen } else { &mut dark }) += 1;
+    }
+    let largest = errors.iter().fold(0.0f64, |most, [exact, _]| most.max(*exact));
+    let worst = errors.iter().fold(0.0f64, |most, [exact, found]| most.max((exact - found).abs()));
+    println!("{seen} tiles are asked, {dark} are not; worst {:.1e} of {largest:.1e}", worst / largest);
+    assert!(seen > 8 && dark > 8 && worst < 1e-3 * largest);
 }
 
 proptest! {

@@ -390,10 +390,12 @@ impl PathGenerator {
                 (kind, cover as f32)
             }));
         }
-        let beside = |i: usize, k: [f64; 2]| {
-            sea.scattering.beside_m4([places_m[0][i], places_m[1][i]], k, &instant.poses)
+        let of_ships = sea.scattering.has_short_waves();
+        let beside = |count: usize, bragg: &[Row; 2], out: &mut Row| {
+            let places = (&*places_m, *bounds_m);
+            sea.scattering.beside_lanes(*variant, places, &instant.poses, (count, bragg), out)
         };
-        let beside: Option<Beside<'_>> = if sea.scattering.has_short_waves() { Some(&beside) } else { None };
+        let beside: Option<Beside<'_>> = of_ships.then_some(&beside);
         if land.count < count {
             self.respond(sea, *variant, kinds, beside, batch);
         }

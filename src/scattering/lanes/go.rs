@@ -7,6 +7,7 @@ use super::{Batch, LANES, LaneKind, LaneWater, cross, dot, lanes_for, unit};
 use crate::geometry::lanes::{GROUP, group, group_mut, groups, lane};
 use crate::scattering::kirchhoff::LEAST_BEND;
 use crate::scattering::slope_pdf::GramCharlier;
+use crate::units::exponential;
 
 /// Root of `sigma0` below which specular points are left out: -120 dB, far below any sea's Bragg scattering.
 const LEAST: f32 = 1e-6;
@@ -170,37 +171,4 @@ fn series(clean: &GramCharlier, covered: &GramCharlier, cover: f32, x: f32, e: f
         + c22 / 4.0 * (x2 - 1.0) * (e2 - 1.0)
         + c04 / 24.0 * (e2 * e2 - 6.0 * e2 + 3.0);
     sum.max(0.0)
-}
-
-/// `e^x` for `x <= 0`, relative error 2e-7; 0 below -86.
-#[inline(always)]
-pub fn exponential(x: f32) -> f32 {
-    const TO_INTEGER: f32 = 12_582_912.0;
-    let turns = x.max(-86.0) * std::f32::consts::LOG2_E;
-    let shifted = turns + TO_INTEGER;
-    let whole = shifted - TO_INTEGER;
-    // 2^f = e^(f ln 2), f in [-1/2, 1/2]; Taylor, remainder 1e-8.
-    let f = (turns - whole) * std::f32::consts::LN_2;
-    let series =
-        1.0 + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0 + f / 720.0)))));
-    let bits = (shifted.to_bits() as i32).wrapping_sub(TO_INTEGER.to_bits() as i32);
-    let scale = f32::from_bits((bits.wrapping_add(127) as u32) << 23);
-    if x < -86.0 { 0.0 } else { series * scale }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn exponentials() {
-        for i in 0..9000 {
-            let x = -0.01 * i as f32;
-            let exact = f64::from(x).exp();
-            let found = f64::from(exponential(x));
-            // Eight roundings of 2^-24, and the argument's own (86 turns into 124 of 2^-24 of them).
-            let slack = (8.0 + 124.0 * 0.7) * 2f64.powi(-24);
-            assert!((found - exact).abs() <= slack * exact || x < -86.0 && found == 0.0, "{x}");
-        }
-    }
 }

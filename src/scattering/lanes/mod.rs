@@ -37,7 +37,7 @@ use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{GROUP, Held, group, group_mut, groups, lane};
 pub use crate::geometry::lanes::{LANES, Row, lanes_for};
 use crate::scattering::splitting::high_pass;
-pub use go::exponential;
+pub use crate::units::exponential;
 pub use land::LandRows;
 pub(super) use modulation::LaneModulation;
 use table::{BraggTable, Damping};
@@ -120,8 +120,8 @@ impl Batch {
         })
     }
 
-    /// Responses of all facets, which are of one kind; `beside` has a spectrum of a facet's own, m^4, at a
-    /// wave vector on the local axes.
+    /// Responses of all facets, which are of one kind; `beside` has a spectrum of each facet's own, m^4, at
+    /// wave vectors on the local axes.
     pub fn respond(&mut self, variant: Variant, water: &LaneWater, kind: usize, beside: Option<Beside<'_>>) {
         if let Some(kind) = water.kinds.get(kind) {
             variant.run(Respond { batch: self, water, kind, beside });
@@ -129,9 +129,9 @@ impl Batch {
     }
 }
 
-/// Waves beside those of the wind: the symmetrised spectrum, m^4, of a facet at a wave vector on the local
-/// axes.
-pub type Beside<'a> = &'a dyn Fn(usize, [f64; 2]) -> f64;
+/// Waves beside those of the wind: the symmetrised spectrum, m^4, of the first facets, at wave vectors on the
+/// local axes. Returns whether any have such waves; if none, the row is as it was.
+pub type Beside<'a> = &'a dyn Fn(usize, &[Row; 2], &mut Row) -> bool;
 
 /// Sub-facet tilts: standard deviations along and across the wind, and weight.
 pub(super) type Tilt = [f32; 3];
@@ -342,11 +342,13 @@ impl Batch {
 
     /// Adds waves besides those of the wind; kinds and the cutoff change both.
     fn raise(&mut self, water: &LaneWater, kind: &LaneKind, beside: Beside<'_>) {
-        for i in 0..lanes_for(self.count) {
-            let k = [self.bragg[0][i], self.bragg[1][i]].map(f64::from);
-            let more = beside(i, k);
+        let mut more = [0.0; LANES];
+        if !beside(self.count, &self.bragg, &mut more) {
+            return;
+        }
+        for (i, more) in more.iter().map(|more| f64::from(*more)).enumerate().take(self.count) {
             if more > 0.0 {
-                let magnitude = k[0].hypot(k[1]);
+                let magnitude = f64::from(self.bragg[0][i]).hypot(f64::from(self.bragg[1][i]));
                 let pass = water.cut_radpm.map_or(1.0, |cut| high_pass(magnitude, cut));
                 let damping =
                     kind.damping.as_ref().map_or(1.0, |damping| water.table.damping_at(damping, magnitude));

@@ -12,6 +12,7 @@
 //! | [`nonuniform`] | sums of arbitrary plane waves on a grid of facets, by FFT |
 //! | [`map`] | all fields of several wakes on a rectangle of facets |
 //! | [`short_waves`] | the waves that a map leaves out, as a local spectrum within its facets |
+//! | [`short_wave_nodes`] | the same on nodes, fast |
 //! | [`turbulent`] | the strip of damped small waves |
 //!
 //! A hull enters through the complex amplitude of its free waves, `A(theta)` in metres, as a function of
@@ -45,6 +46,7 @@ pub mod kochin;
 pub mod map;
 pub mod nodes;
 pub mod nonuniform;
+pub mod short_wave_nodes;
 pub mod short_waves;
 pub mod turbulent;
 pub mod upstream;
@@ -55,6 +57,7 @@ pub use fault::WakeError;
 pub use free_waves::{Presence, Settings, Wake};
 pub use map::Map;
 pub use nodes::Band;
+pub use short_wave_nodes::ShortWaveNodes;
 pub use short_waves::ShortWaves;
 pub use turbulent::TurbulentStrip;
 pub use upstream::Upstream;

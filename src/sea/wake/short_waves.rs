@@ -74,17 +74,17 @@ pub const STEEPEST: f64 = 0.443;
 /// Kinematic viscosity of water at 20 degrees Celsius, m^2/s.
 pub const VISCOSITY_M2PS: f64 = 1.0e-6;
 /// Deviations of a wave vector that count: `exp(-18)` is 1.5e-8 of the power.
-const WAVE_REACH: f64 = 6.0;
+pub(super) const WAVE_REACH: f64 = 6.0;
 /// Distances of a place from a ray up to which waves count in full, and beyond which not at all, in
 /// deviations and in Fresnel widths; in between the integrand falls as a raised cosine, so that its end makes
 /// no waves. The transform of a Gaussian window has fallen to `exp(-12.5)` at 5 deviations.
-const PLACE_REACH: [[f64; 2]; 2] = [[5.0, 3.0], [9.0, 9.0]];
+pub(super) const PLACE_REACH: [[f64; 2]; 2] = [[5.0, 3.0], [9.0, 9.0]];
 /// Below this t rays lie so close that the integral is not shortened by them.
-const LEAST_SHORT: f64 = 1.5;
+pub(super) const LEAST_SHORT: f64 = 1.5;
 /// `c` of the steepest ray.
-const STEEPEST_RAY: f64 = 0.353_553_390_593_273_8;
+pub(super) const STEEPEST_RAY: f64 = 0.353_553_390_593_273_8;
 /// Most of `sqrt(1 + c^2)`, by which a ray sees a facet wider.
-const SLANT: f64 = 1.061;
+pub(super) const SLANT: f64 = 1.061;
 /// Steps of the integral: at least 12 deviations in 32, and a phase of one radian a step.
 const STEPS: [f64; 2] = [32.0, 2048.0];
 /// Phase of a wave from one end of the ship against midship, from node to node of the table, radians: linear
@@ -118,16 +118,16 @@ impl Default for Losses {
 /// The short waves of one ship.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShortWaves {
-    course: Course,
+    pub(super) course: Course,
     window: Window,
-    k0_radpm: f64,
-    half_m: f64,
+    pub(super) k0_radpm: f64,
+    pub(super) half_m: f64,
     /// Deviation of places within a facet, m.
-    place_m: f64,
-    losses: Losses,
-    step: f64,
+    pub(super) place_m: f64,
+    pub(super) losses: Losses,
+    pub(super) step: f64,
     /// Per node `A sqrt(1 - W^2)/(1 + t^2)`, m.
-    amplitudes_m: Vec<Complex64>,
+    pub(super) amplitudes_m: Vec<Complex64>,
 }
 
 impl ShortWaves {
@@ -196,6 +196,16 @@ impl ShortWaves {
         &self.course
     }
 
+    /// Deviation of a wave vector, rad/m.
+    pub(super) fn deviation_radpm(&self) -> f64 {
+        0.5 / self.place_m
+    }
+
+    /// Last t of the table.
+    pub(super) fn most(&self) -> f64 {
+        self.step * (self.amplitudes_m.len() - 1) as f64
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.amplitudes_m.is_empty()
@@ -215,7 +225,17 @@ impl ShortWaves {
 
     /// Their spectrum, m^4, at a distance astern and to starboard of midship, m, for a wave vector ahead and
     /// to port, rad/m. Zero where a window of a facet's size is over.
-    pub fn psi_m4(&self, [astern_m, starboard_m]: [f64; 2], [ahead_radpm, port_radpm]: [f64; 2]) -> f64 {
+    pub fn psi_m4(&self, place_m: [f64; 2], k_radpm: [f64; 2]) -> f64 {
+        self.spectrum_m4(place_m, k_radpm, |place, wave, range| self.transform(place, wave, range))
+    }
+
+    /// The same with another way to find [`Self::transform`].
+    pub(super) fn spectrum_m4(
+        &self,
+        [astern_m, starboard_m]: [f64; 2],
+        [ahead_radpm, port_radpm]: [f64; 2],
+        transform: impl Fn([f64; 2], [f64; 2], [f64; 2]) -> Complex64,
+    ) -> f64 {
         // What is no number is at no place.
         if self.is_empty() || astern_m.is_nan() || astern_m <= -self.half_m || !starboard_m.is_finite() {
             return 0.0;
@@ -235,8 +255,8 @@ impl ShortWaves {
             let place = [astern_m, side * starboard_m];
             // Waves of the starboard side run to starboard.
             let wave = [ahead_radpm, -side * port_radpm];
-            sums[0] += self.transform(place, wave, range);
-            sums[1] += self.transform(place, wave.map(|k| -k), range);
+            sums[0] += transform(place, wave, range);
+            sums[1] += transform(place, wave.map(|k| -k), range);
         }
         let scale = 0.5 * self.place_m * self.place_m / PI;
         let steepest_m = self.losses.steepest / k_radpm;
@@ -247,7 +267,7 @@ impl ShortWaves {
 
     /// Z of the waves that run to one side, at a place astern and to that side, for a wave vector ahead and
     /// to that side.
-    fn transform(&self, [x_m, y_m]: [f64; 2], wave: [f64; 2], range: [f64; 2]) -> Complex64 {
+    pub(super) fn transform(&self, [x_m, y_m]: [f64; 2], wave: [f64; 2], range: [f64; 2]) -> Complex64 {
         // Waves run ahead and to their own side.
         if wave.iter().any(|k| *k < -WAVE_REACH / (2.0 * self.place_m)) {
             return Complex64::ZERO;
@@ -301,14 +321,14 @@ impl ShortWaves {
     /// How far from the rays of t waves reach, x astern, m: where they begin to be left out, and where all
     /// are. The Fresnel width is the root of the rate at which rays of successive wave numbers part,
     /// `|dy/dky|` (of short waves; near the cusp a bound).
-    fn reach_m(&self, x_m: f64, t: f64) -> [f64; 2] {
+    pub(super) fn reach_m(&self, x_m: f64, t: f64) -> [f64; 2] {
         let bend = 1.0 + 2.0 * t * t;
         let fresnel_m = (x_m.max(0.0) * (1.0 + t * t).sqrt() / self.k0_radpm).sqrt() / bend;
         PLACE_REACH.map(|[deviations, widths]| deviations * self.place_m + widths * fresnel_m)
     }
 
     /// Range of t whose rays pass near a place, from anywhere on the hull, within another.
-    fn rays(&self, x_m: f64, y_m: f64, [from, to]: [f64; 2]) -> Option<[f64; 2]> {
+    pub(super) fn rays(&self, x_m: f64, y_m: f64, [from, to]: [f64; 2]) -> Option<[f64; 2]> {
         // Rays of larger t lie nearer to the track, and closer to each other.
         let reach_m = SLANT * self.reach_m(x_m, from.max(LEAST_SHORT))[1];
         let inner = (y_m - reach_m) / (x_m + self.half_m);
@@ -324,7 +344,7 @@ impl ShortWaves {
         (to > from).then_some([from, to])
     }
 
-    fn amplitude_m(&self, t: f64) -> Complex64 {
+    pub(super) fn amplitude_m(&self, t: f64) -> Complex64 {
         let place = t / self.step;
         let node = (place as usize).min(self.amplitudes_m.len() - 2);
         let [low, high] = [self.amplitudes_m[node], self.amplitudes_m[node + 1]];
