@@ -8,6 +8,7 @@ use crate::bench::settings;
 use crate::config::keys;
 use crate::fidelity::Prediction;
 use crate::fidelity::budget::Plan;
+use crate::paths::MOST_RECEIVED;
 use crate::pipeline::memory::Predicted;
 use crate::units::{counted, digits};
 
@@ -27,6 +28,9 @@ pub struct PlanReport {
     /// Pulses that were made to find that out, and how many settings were tried.
     #[serde(skip_serializing_if = "Option::is_none")]
     dry_run: Option<DryRunReport>,
+    /// Why pulses are made one by one, where they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    one_by_one: Option<String>,
     /// By the costs of a reference machine, the same on every machine; settings are compared by it.
     predicted_real_time_factor: f64,
     /// With every queue full, and while sinks keep up.
@@ -92,6 +96,22 @@ pub fn not_kept(plan: &Plan) -> Option<String> {
     Some(format!("{asked_db} dB cannot be reached {with}; best {predicted_db:.1} dB"))
 }
 
+/// Why no pulses have nodes in common.
+fn one_by_one(plan: &Plan) -> Option<String> {
+    let received = plan.size.emissions_received();
+    if plan.chosen.node_pulses > 1 {
+        None
+    } else if plan.asked.node_pulses.is_some() {
+        Some("node_pulses is 1".to_owned())
+    } else if received > MOST_RECEIVED {
+        Some(format!(
+            "a window receives up to {received} emissions, those of a block {MOST_RECEIVED} at most"
+        ))
+    } else {
+        Some(format!("no nodes keep {} dB", plan.asked.error_db))
+    }
+}
+
 /// What the fast echo keeps of the reference, as predicted.
 pub fn echo_text(plan: &Plan) -> String {
     let (asked_db, predicted_db) = (plan.asked.error_db, plan.prediction.total_db());
@@ -113,6 +133,7 @@ impl PlanReport {
                 all: run.all,
                 tries: run.tries,
             }),
+            one_by_one: one_by_one(plan),
             predicted_real_time_factor: real_time_factor,
             predicted_rss_mib: bytes.at_most as f64 / MIB,
             predicted_rss_kept_up_mib: bytes.kept_up as f64 / MIB,
@@ -144,6 +165,8 @@ impl PlanReport {
         if !rounded.is_empty() {
             rows.push(described("rounded", rounded.join("; ")));
         }
+        let why = self.one_by_one.iter().map(|why| described("pulse by pulse", why.clone()));
+        rows.extend(why);
         let tried = self.dry_run.as_ref().map(|run| {
             let of = if run.all { "all " } else { "" };
             let settings =

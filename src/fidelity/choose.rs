@@ -12,7 +12,7 @@ use super::budget::{Budget, PANELS_DB, Plan};
 use std::sync::Arc;
 
 use super::cost::Size;
-use super::echo_settings::{EchoSettings, block_length};
+use super::echo_settings::{EchoSettings, block_length, block_pulses};
 use super::probe::{ErrorSampler, unit_of};
 use super::search::Search;
 use super::synth_choice::Echoes;
@@ -32,8 +32,9 @@ const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
 const PANEL_PULSES: [u64; 12] = [21, 16, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1];
 
 /// The spacing that nodes then have, pulses.
-fn spacing_within(spacing: u64, hold_pulses: Option<u64>) -> u64 {
-    (block_length(spacing, hold_pulses) - 1).div_ceil(NODES as u64 - 1).max(1)
+fn spacing_within(spacing: u64, overlap: u64, hold_pulses: Option<u64>) -> u64 {
+    let emissions = (block_length(spacing, overlap, hold_pulses) + overlap).min(block_pulses(spacing));
+    (emissions - 1).div_ceil(NODES as u64 - 1).max(1)
 }
 
 /// Chooses the settings of a scene for one error after another: what does not depend on the error is found
@@ -95,11 +96,12 @@ impl<'a> Chooser<'a> {
         let budget = Budget::of(asked);
         let panel_pulses = sampler.choose_panel_pulses(10f64.powf((asked.error_db - PANELS_DB) / 10.0));
 
-        let hold_pulses = generator.hold_pulses();
+        let (hold_pulses, overlap_pulses) =
+            (generator.hold_pulses(), generator.overlap_pulses().unwrap_or(0));
         let most = most_pulses(scene, generator, waveform.as_ref());
-        let spacings = spacings(asked, hold_pulses, (sampler.unit(), most));
-        let lengths =
-            spacings.iter().filter(|_| !budget.exact).map(|pulses| block_length(*pulses, hold_pulses));
+        let spacings = spacings(asked, (overlap_pulses, hold_pulses), (sampler.unit(), most));
+        let length = |pulses: &u64| block_length(*pulses, overlap_pulses, hold_pulses);
+        let lengths = spacings.iter().filter(|_| !budget.exact).map(length);
         let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
         let synth = Echoes { scene, generator, waveform }.choose(sampler, &budget, &blocks)?;
         let kept = sampler.kept(budget.least_power);
@@ -107,6 +109,7 @@ impl<'a> Chooser<'a> {
         let one_by_one = |gain_pulses: u64| {
             let chosen = EchoSettings {
                 node_pulses: 1,
+                overlap_pulses,
                 epochs_per_node: 1,
                 gain_pulses,
                 panel_pulses,
@@ -169,14 +172,15 @@ fn most_pulses(scene: &Scene, generator: &PathGenerator, waveform: &dyn Waveform
 
 /// Spacings of the nodes that come into question, from far to close, pulses; of a unit of pulses, and blocks
 /// of no more than so many.
-fn spacings(asked: &Asked, hold_pulses: Option<u64>, (unit, most): (u64, u64)) -> Vec<u64> {
+fn spacings(asked: &Asked, (overlap, hold_pulses): (u64, Option<u64>), (unit, most): (u64, u64)) -> Vec<u64> {
     let free = || in_units(&NODE_PULSES, unit, 2);
     let mut spacings: Vec<u64> = asked.node_pulses.map_or_else(free, |pulses| vec![pulses]);
     if asked.node_pulses.is_none() {
         let farthest = NODE_PULSES[0].max((most - 1) / (NODES as u64 - 1));
-        spacings.retain(|pulses| *pulses <= farthest);
+        // Blocks of which most are emissions of before are not worth their nodes.
+        spacings.retain(|pulses| *pulses <= farthest && block_pulses(*pulses) > 2 * overlap);
     }
-    spacings.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, hold_pulses));
+    spacings.iter_mut().for_each(|pulses| *pulses = spacing_within(*pulses, overlap, hold_pulses));
     spacings.dedup();
     spacings.retain(|pulses| *pulses > 1);
     spacings

@@ -10,7 +10,7 @@
 //! | gain | facets x pairs x gain epochs / block, likewise | scatterer paths |
 //! | factor | facets x pairs, likewise | scatterer paths |
 //! | fill | scatterer paths kept x 3 / block | spread |
-//! | spread | scatterer paths kept x (4 + w cells of each channel) | spread |
+//! | spread | scatterer paths kept x (4 + w cells of each channel) x emissions that a window receives | spread |
 //! | transform | channels x M log2 M | transform |
 //! | exact | facets x pairs, where every pulse is by itself | scatterer paths |
 //! | rest | channels x M log2 M | record, receive |
@@ -134,7 +134,9 @@ pub struct Size {
     parts: f64,
     /// How often they are illuminated, for the sample of a block too.
     again: f64,
-    /// Share of the channels that a pulse fills.
+    /// Emissions that a window receives, each of them spread.
+    received: f64,
+    /// Share of the channels that an emission fills.
     filled: f64,
     pulses: u64,
 }
@@ -184,9 +186,15 @@ impl Size {
             kept,
             parts,
             again: parts + sampled,
+            received: generator.emissions_received().max(1) as f64,
             filled: shares.iter().sum::<f64>() / shares.len().max(1) as f64,
             pulses: scene.pulses,
         }
+    }
+
+    /// Emissions that a window receives, at most.
+    pub fn emissions_received(&self) -> u64 {
+        self.received as u64
     }
 
     /// What settings ask for in a pulse; `interpolates`: in blocks.
@@ -207,6 +215,7 @@ impl Size {
             kept,
             parts,
             again,
+            received,
             filled,
             ..
         } = *self;
@@ -217,14 +226,14 @@ impl Size {
         let straight = chosen.sidelobe.is_some_and(|sidelobe| sidelobe.epochs <= 2);
         let amplitude = if straight { 4.0 - 2.0 * sidelobe } else { 4.0 };
         let of_path = amplitude + width * filled * channels / pairs.max(1.0);
-        let spread = kept * facets * pairs * layers * of_path * wide;
+        let spread = received * kept * facets * pairs * layers * of_path * wide;
         let transform = filled * channels * layers * cells * cells.max(2.0).log2() * wide;
         let rest = channels * cells * cells.max(2.0).log2();
         let block = chosen.block_pulses(self.hold_pulses).min(self.pulses.max(1));
         if !interpolates || block <= 1 || chosen.node_pulses <= 1 {
             let mut work = [0.0; PIECES];
             let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
-            (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, facets * pairs);
+            (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, received * facets * pairs);
             let points = points + PANEL_EXACT * panels + BREAKER_EXACT * breakers;
             (work[11], work[12], work[13]) = (rest, points * pairs, LINES_EXACT * facets * travelling);
             return Work(work);

@@ -8,6 +8,8 @@ use crate::paths::block::{NODES, Sidelobe};
 pub struct EchoSettings {
     /// Pulses from node to node; 1: every pulse by itself.
     pub node_pulses: u64,
+    /// Emissions that a block needs beyond as many as it has pulses.
+    pub overlap_pulses: u64,
     /// Scattering epochs from node to node.
     pub epochs_per_node: usize,
     /// Pulses from gain to gain.
@@ -32,7 +34,11 @@ pub struct EchoSettings {
 impl EchoSettings {
     /// Pulses of a block, where a patch that follows is held for some pulses.
     pub fn block_pulses(&self, hold_pulses: Option<u64>) -> u64 {
-        if self.precision == Precision::Double { 1 } else { block_length(self.node_pulses, hold_pulses) }
+        if self.precision == Precision::Double {
+            1
+        } else {
+            block_length(self.node_pulses, self.overlap_pulses, hold_pulses)
+        }
     }
 
     /// Pulses from one scattering epoch to the next.
@@ -46,9 +52,36 @@ pub fn block_pulses(spacing: u64) -> u64 {
     (NODES as u64 - 1).saturating_mul(spacing.max(1)).saturating_add(1)
 }
 
-/// Pulses of a block whose nodes are about so many pulses apart, where a patch that follows is held for some
-/// pulses: a divisor of these.
-pub fn block_length(spacing: u64, hold_pulses: Option<u64>) -> u64 {
-    let length = if spacing <= 1 { 1 } else { block_pulses(spacing) };
-    hold_pulses.map_or(length, |hold| (1..=length).rev().find(|n| hold % n == 0).unwrap_or(1))
+/// Pulses of a block whose nodes are about so many pulses apart and that needs `overlap` emissions beyond as
+/// many, where a patch that follows is held for some pulses: a divisor of these.
+pub fn block_length(spacing: u64, overlap: u64, hold_pulses: Option<u64>) -> u64 {
+    if spacing <= 1 {
+        return 1;
+    }
+    let emissions = block_pulses(spacing);
+    let length = emissions.saturating_sub(overlap).max(1);
+    match hold_pulses {
+        // Emissions of before the patch moved on have nodes of their own.
+        Some(hold) if hold <= emissions => hold,
+        Some(hold) => (1..=length).rev().find(|n| hold % n == 0).unwrap_or(1),
+        None => length,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_shorter_by_the_emissions_that_they_need_beyond_their_pulses() {
+        assert_eq!([1, 2, 21].map(|spacing| block_length(spacing, 0, None)), [1, 7, 64]);
+        assert_eq!([1, 2, 21].map(|spacing| block_length(spacing, 3, None)), [1, 4, 61]);
+        assert_eq!(block_length(2, 9, None), 1);
+        // Of a patch that stays no longer than a block, emissions of before it moved on are apart.
+        assert_eq!([64, 40].map(|hold| block_length(21, 3, Some(hold))), [64, 40]);
+        assert_eq!(
+            [(128, 0), (128, 3), (126, 1)].map(|(hold, n)| block_length(21, n, Some(hold))),
+            [64, 32, 63]
+        );
+    }
 }

@@ -93,6 +93,7 @@ pub(super) struct Search<'a> {
     culled: Powers,
     in_flight: f64,
     hold_pulses: Option<u64>,
+    overlap_pulses: u64,
     has_sea: bool,
     farthest_epoch: u64,
     /// What tiles may lack at their supports alone, and that in the strongest pulse.
@@ -137,6 +138,7 @@ impl<'a> Search<'a> {
             culled,
             in_flight: 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::in_flight(scene, generator),
             hold_pulses: generator.hold_pulses(),
+            overlap_pulses: generator.overlap_pulses().unwrap_or(0),
             has_sea,
             between,
             between_of_strongest: between.unwrap_or(0.0) * sampler.peak([1.0, 0.0]).max(1.0),
@@ -166,7 +168,7 @@ impl<'a> Search<'a> {
             if self.budget.asked.gain_pulses.is_some() {
                 gains = self.gains_of(&sampler.gains(&self.gain_steps, block_pulses(node_pulses))?);
             }
-            let echo = self.synth.error_of(block_length(node_pulses, self.hold_pulses));
+            let echo = self.synth.error_of(block_length(node_pulses, self.overlap_pulses, self.hold_pulses));
             let probed = self.probe(sampler, node_pulses, (echo, &gains), spacings.len() == 1)?;
             for plan in self.plans(node_pulses, echo, &probed, &gains) {
                 if best.as_ref().is_none_or(|held| better(&plan, held)) {
@@ -273,6 +275,7 @@ impl<'a> Search<'a> {
     ) -> EchoSettings {
         EchoSettings {
             node_pulses,
+            overlap_pulses: self.overlap_pulses,
             epochs_per_node,
             gain_pulses,
             panel_pulses: self.panel_pulses,

@@ -86,6 +86,7 @@ mod aspect;
 mod breaking;
 pub mod drops;
 mod facets;
+mod hearing;
 mod heave;
 mod hidden;
 mod lifted;
@@ -101,6 +102,7 @@ mod partition;
 mod patch_run;
 mod phasors;
 pub mod snapshot;
+mod received;
 pub mod spikes;
 mod survey;
 pub mod block;
@@ -116,7 +118,7 @@ use num_complex::Complex64;
 
 use crate::frames::{Enu, Point, SceneFrame};
 use crate::motion::PlatformTracks;
-use crate::motion::pointing::{PhaseCentre, Surroundings};
+use crate::motion::pointing::Surroundings;
 use crate::paths::aspect::Aspect;
 use crate::paths::drops::RainPlan;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
@@ -136,10 +138,11 @@ use crate::scene::radar::{Aim, Pair, Polarisation};
 use crate::scene::{Radar, Scene, Target};
 use crate::sea::realise::realise;
 use crate::time::TimeTag;
-use crate::units::SPEED_OF_LIGHT_MPS;
 
 use crate::radar::window::{GUARD_SAMPLES, Window};
 use facets::Reception;
+use received::InAir;
+pub use received::{MOST_RECEIVED, Received};
 use sea::{Drawn, SeaFailure, SeaPlan, SeaWork};
 pub use survey::BeyondHorizon;
 
@@ -217,6 +220,7 @@ pub struct PathGenerator {
     fastest_target_mps: f64,
     axes_span_s: f64,
     guard_samples: usize,
+    in_air: InAir,
     hold_pulses: Option<u64>,
     sea: Option<Arc<SeaPlan>>,
     clocks: Option<Arc<RunningClocks>>,
@@ -306,6 +310,7 @@ impl PathGenerator {
             fastest_target_mps,
             axes_span_s: 0.0,
             guard_samples: GUARD_SAMPLES,
+            in_air: InAir::default(),
             hold_pulses: None,
             sea: None,
             clocks: None,
@@ -333,6 +338,7 @@ impl PathGenerator {
         }
         built.axes_span_s = built.longest_delay_s()?;
         built.guard_samples = built.find_guard_samples()?;
+        built.in_air = built.find_in_air()?;
         built.let_it_rain(scene)?;
         Ok(built)
     }
@@ -514,20 +520,9 @@ impl PathGenerator {
         own: &Emission,
         window: &Window,
     ) -> Result<Range<u64>, RadarError> {
-        let Some((least_s, most_s)) = self.delay_span_s(index, own, *window)? else {
-            return Ok(index..index);
-        };
-        let transmitters = self.radar.transmitters.len();
-        let fastest = |centres: &[PhaseCentre]| centres.iter().map(|c| c.velocity.norm()).fold(0.0, f64::max);
-        let (tx, rx) = own.centres.split_at(transmitters);
-        let closing_mps = fastest(tx) + fastest(rx) + 2.0 * self.fastest_target_mps + MANOEUVRE_MPS;
-        let earliest_s = window.open_s - window.guard_s - self.pulse_length_s - most_s;
-        let latest_s = window.close_s + window.guard_s - least_s;
-        // Twice, because the interval itself widens by what is added.
-        let change_s = 2.0 * closing_mps / SPEED_OF_LIGHT_MPS * earliest_s.abs().max(latest_s.abs());
-        let first = self.first_emission(index, earliest_s - change_s);
-        let after = self.first_emission(index, latest_s + change_s);
-        Ok(first..after)
+        let span = self.delay_span_s(index, own, *window)?;
+        let within = |span| self.emissions_within(index, span, self.closing_mps(&own.centres), window);
+        Ok(span.map_or(index..index, within))
     }
 
     /// Bounds on all delays of an emission, s; `None` where nothing returns it.

@@ -16,62 +16,8 @@ use crate::scene::{Patch, Target};
 
 /// Draws of all targets of which the largest is looked for, not bounded.
 const MOST_DRAWS: u64 = 1 << 18;
-/// Most pulses in the air at once that are searched where intervals differ.
-const MOST_IN_AIR: u64 = 256;
 
 impl PathGenerator {
-    /// Whether the windows of some pulses receive nothing but their own emissions: then their scatterer paths
-    /// can be interpolated.
-    ///
-    /// # Errors
-    /// A track that does not cover the pulse.
-    pub fn receives_itself_alone(
-        &self,
-        pulses: &[u64],
-        workspace: &mut Workspace,
-    ) -> Result<bool, RadarError> {
-        for &index in pulses {
-            self.evaluate(index, &mut workspace.own)?;
-            let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
-            let in_window = self.emissions_in_window(index, &workspace.own, &window)?;
-            if in_window.start < index || in_window.end > index + 1 {
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-
-    /// Share of the echo of a pulse with such a delay that some window receives, of those that open `opens_s`
-    /// after their emission: 0 to 1.
-    pub fn received_share(&self, index: u64, opens_s: f64, delay_s: f64) -> f64 {
-        let window_length_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
-        let begins_s = delay_s - opens_s;
-        let received_s = |later_s: f64| {
-            let begins_s = begins_s - later_s;
-            self.pulse_length_s.min(window_length_s - begins_s) - (-begins_s).max(0.0)
-        };
-        // Where pulses are in the air a later window receives it, or an earlier one.
-        let emissions = &self.radar.emissions;
-        let mut most_s = received_s(0.0);
-        if emissions.is_uniform() {
-            let interval_s = emissions.interval_s(0, 1);
-            if interval_s > 0.0 {
-                let later = (begins_s / interval_s).floor();
-                most_s = [later, later + 1.0]
-                    .map(|n| received_s(n * interval_s))
-                    .into_iter()
-                    .fold(most_s, f64::max);
-            }
-        } else {
-            let later = (1..=MOST_IN_AIR).map(|n| emissions.interval_s(index, index.saturating_add(n)));
-            let later = later.take_while(|later_s| *later_s <= begins_s + self.pulse_length_s);
-            let before = (1..=MOST_IN_AIR.min(index)).map(|n| -emissions.interval_s(index - n, index));
-            let before = before.take_while(|later_s| begins_s - *later_s <= window_length_s);
-            most_s = later.chain(before).map(received_s).fold(most_s, f64::max);
-        }
-        (most_s.max(0.0) / self.pulse_length_s).min(1.0)
-    }
-
     /// Power of points in the channels of a pair, each by its own share, and the sum of powers and delay
     /// rates.
     pub fn rates(&self, paths: &ScattererPaths, pair: usize, share: impl Fn(f64) -> f64) -> (f64, f64) {

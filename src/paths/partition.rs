@@ -3,8 +3,7 @@
 //! Antennas and gates that go by reports jump when a report is changed ([`crate::motion::changes`]), and no
 //! interpolation knows of a jump. So blocks end at the first pulse whose emission comes a servo's lag after
 //! the change; and, because axes of receive antennas are found over the time of flight, also at the first
-//! that sees it in that time (without a lag that is the same one: blocks are made of pulses of which one
-//! flies at a time).
+//! that sees it in that time. Where windows receive several emissions these are cut there, too.
 
 use std::ops::Range;
 
@@ -70,7 +69,10 @@ impl PathGenerator {
                 part.end = part.end.min(pulse);
             }
         };
-        if let (Some(sea), false) = (&self.sea, self.radar.emissions.is_uniform()) {
+        if let (Some(hold), true) = (self.hold_pulses, self.radar.emissions.is_uniform()) {
+            // Blocks divide it; emissions of before a block do not.
+            [index / hold, index / hold + 1].map(|n| n.saturating_mul(hold)).into_iter().for_each(&mut cut);
+        } else if let (Some(sea), false) = (&self.sea, self.radar.emissions.is_uniform()) {
             // Where intervals differ a patch that follows need not move between two blocks.
             let placed_s = |pulse: u64| sea.placed_s(self.radar.emissions.interval_s(0, pulse));
             let moves = |pulse: &u64| placed_s(*pulse) != placed_s(pulse - 1);
@@ -82,8 +84,10 @@ impl PathGenerator {
             };
             changes.read(|given| {
                 for one in given {
-                    // What a servo sees at once it sees at that very pulse.
+                    // What a servo sees at once it sees at that very pulse, and while others are in the air.
                     if lag_s == 0.0 {
+                        let sees_s = self.radar.emissions.interval_s(0, one.pulse) - self.axes_span_s;
+                        cut(self.first_from(&block, sees_s - TIE_S).min(one.pulse));
                         cut(one.pulse);
                     }
                     let ends_s = match one.change {

@@ -30,7 +30,7 @@ use crate::paths::PathGenerator;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::fault::PulseError;
 use crate::pipeline::hull_scatterers::ShipTracks;
-use crate::pipeline::power::{mean_of, power, powers};
+use crate::pipeline::power::{least_mean, mean_of, power, powers};
 use crate::pulse::{Layout, Samples};
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::Waveform;
@@ -44,6 +44,9 @@ const LEAST_PULSES: u64 = 8;
 const TRIES: u32 = 5;
 /// How much finer than what was missed the next settings are, dB.
 const CLOSER_DB: f64 = 3.0;
+/// How far below what is asked exact pulses are, dB: of long pulses, which they take in bands of Doppler, each
+/// dB makes more of these.
+const FINER_DB: f64 = 30.0;
 /// What exact scatterer paths on the finest grid are themselves off the reference, and other instructions
 /// round otherwise, dB.
 const MORE_DB: f64 = 1.0;
@@ -71,7 +74,8 @@ pub(crate) fn plan(
     if first.chosen.node_pulses <= 1 || (chosen.pulses.len() as u64) < LEAST_PULSES {
         return Ok(first);
     }
-    let exact = Asked { node_pulses: Some(1), ..Asked::error_db(EXACT_DB) };
+    let exact = (asked.error_db - FINER_DB).max(EXACT_DB);
+    let exact = Asked { node_pulses: Some(1), ..Asked::error_db(exact) };
     let exact = chooser.choose(&exact)?;
     let Some(trial) = Trial::new(scene, generator, waveform, chosen, &exact)? else { return Ok(first) };
     let (mut tried, mut target_db) = (first, asked.error_db);
@@ -217,10 +221,11 @@ impl<'a> Trial<'a> {
     fn error(&self, made: &[Complex32], exact: &[Complex32]) -> f64 {
         let len = exact.len() / self.means.len().max(1);
         let channels = made.chunks_exact(len).zip(exact.chunks_exact(len)).zip(&self.means);
+        let least = least_mean(&self.means);
         let of_channel = channels.map(|((made, exact), mean)| {
             let off: Vec<Complex32> = made.iter().zip(exact).map(|(a, b)| a - b).collect();
             let off = power(&off);
-            if off > 0.0 { off / mean } else { 0.0 }
+            if *mean <= least && off <= least { 0.0 } else { off / mean }
         });
         of_channel.fold(0.0, f64::max)
     }

@@ -2,6 +2,14 @@
 
 use num_complex::Complex32;
 
+/// Rounding of f64, a ratio of powers: what a channel has below this of the strongest is no echo.
+const ROUNDING: f64 = 1e-28;
+
+/// The least mean power that is an echo, of channels with such means.
+pub(crate) fn least_mean(means: &[f64]) -> f64 {
+    ROUNDING * means.iter().copied().fold(0.0, f64::max)
+}
+
 pub(crate) fn power(samples: &[Complex32]) -> f64 {
     samples.iter().map(|s| f64::from(s.re).powi(2) + f64::from(s.im).powi(2)).sum()
 }

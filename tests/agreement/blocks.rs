@@ -13,7 +13,7 @@ use num_complex::Complex64;
 use crate::cases::{sized, some_of};
 
 /// A scenario of the repository with some keys set, without recordings.
-fn scenario(name: &str, settings: &[(&str, &str)]) -> Run {
+pub(super) fn scenario(name: &str, settings: &[(&str, &str)]) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name);
     let mut text = std::fs::read_to_string(&path).unwrap();
     if settings.iter().any(|(key, _)| *key == "radar.pri_us") {
@@ -34,7 +34,7 @@ fn reference(mut run: Run) -> Run {
 }
 
 /// Samples of some pulses, `[pulse][channel x sample]`.
-fn samples(run: &Run, range: std::ops::Range<u64>) -> Vec<Vec<Complex64>> {
+pub(super) fn samples(run: &Run, range: std::ops::Range<u64>) -> Vec<Vec<Complex64>> {
     let mut pulses = Vec::new();
     let outcome = build::stream(run, range)
         .unwrap()
@@ -50,7 +50,7 @@ fn samples(run: &Run, range: std::ops::Range<u64>) -> Vec<Vec<Complex64>> {
 
 /// The error as it is defined: the largest over pulses and channels of a pulse's error over the rms of that
 /// channel in the reference of the run, dB.
-fn worst_db(found: &[Vec<Complex64>], reference: &[Vec<Complex64>]) -> f64 {
+pub(super) fn worst_db(found: &[Vec<Complex64>], reference: &[Vec<Complex64>]) -> f64 {
     let channel = |pulse: &[Complex64], c: usize| pulse.chunks(pulse.len() / 4).nth(c).unwrap().to_vec();
     let power = |samples: &[Complex64]| samples.iter().map(|s| s.norm_sqr()).sum::<f64>();
     let mut worst_db = f64::NEG_INFINITY;

@@ -20,6 +20,7 @@ mod matched_filter;
 mod measured;
 mod modulation;
 mod near;
+mod overlap;
 mod planned;
 mod radar_equation;
 mod random_plans;

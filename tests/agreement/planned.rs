@@ -202,7 +202,9 @@ fn part_of_an_echo() {
     let mut settings = vec![("target", two.as_str()), ("radar.waveform.pulse_s", "1e-6")];
     settings.push(("radar.window.start_us", "25.109"));
     settings.extend(ALL_AROUND);
-    targets_hold("configs/coastal.toml", &settings, &[-60.0, -45.0]);
+    // Doppler by a shift is off at both ends of a pulse, and one of them is received.
+    let within_db = TARGETS_WITHIN_DB + 3.0;
+    targets_hold_within(within_db, "configs/coastal.toml", &settings, &[-60.0, -45.0]);
 }
 
 #[test]

@@ -14,6 +14,8 @@ use rand_chacha::ChaCha8Rng;
 const LIGHT_MPS: f64 = 299_792_458.0;
 /// Keeps draws of slow time apart from those of the rest.
 const SLOW_TIME: u64 = 0x510;
+/// And those of echoes that overlap.
+const OVERLAP: u64 = 0x0E1A;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
@@ -183,8 +185,9 @@ impl Extremes {
 pub fn random_scene(seed: u64) -> RandomScene {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
     let extremes = Extremes::drawn(seed);
-    let geometry = Geometry::drawn(&mut draw, extremes);
-    let signal = Signal::drawn(&mut draw, &geometry);
+    let mut geometry = Geometry::drawn(&mut draw, extremes);
+    let mut signal = Signal::drawn(&mut draw, &geometry);
+    overlap(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ OVERLAP)), &mut geometry, &mut signal);
     let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
     let family = geometry.kind.name;
     let partner = if geometry.bistatic { format!(" and {}", geometry.partner.name) } else { String::new() };
@@ -306,6 +309,25 @@ impl Signal {
         let samples = ((span_s + pulse_s) * rate_hz).ceil() as u64 + 8;
         Self { bandwidth_hz, rate_hz, pulse_s, opens_s: nearest_s + later_s, samples }
     }
+}
+
+/// Now and then as many pulses so close to each other that echoes of the patch last for about an interval, or
+/// two, and come up to three late.
+fn overlap(draw: &mut Draw, geometry: &mut Geometry, signal: &mut Signal) {
+    if !draw.chance(0.2) {
+        return;
+    }
+    // No window is shorter than its pulse, where intervals differ by a third as well.
+    let least_s = 1.5 * signal.pulse_s + 64.0 / signal.rate_hz;
+    let window_s = signal.samples as f64 / signal.rate_hz;
+    let interval_s = (draw.log(0.4, 1.6) * window_s).max(least_s).min(1.0 / geometry.prf_hz);
+    let prf_hz = (1.0 / interval_s).round();
+    geometry.lasts_s *= geometry.prf_hz / prf_hz;
+    geometry.prf_hz = prf_hz;
+    // Windows do not overlap.
+    signal.samples = signal.samples.min((0.98 * signal.rate_hz / prf_hz) as u64);
+    let late = (signal.opens_s * prf_hz).floor().min(3.0);
+    signal.opens_s -= (draw.between(0.0, late + 1.0)).floor().min(late) / prf_hz;
 }
 
 fn scene(draw: &mut Draw, geometry: &Geometry, out: &mut String) {

@@ -18,14 +18,16 @@
 //! section 15.7 for sizes. The place in f32 is rounded to `2^-24` of the cells that it moves within half a
 //! block ([`Fill::drift_cells`]).
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 
 use super::doppler::{self, Correction, Doppler};
+pub use super::frame::{Frame, Receives};
 use super::grid::Lined;
 use super::scalar::Scalar;
 use super::spread::{DelayPolynomials, Emitted, TICKS};
 use super::{Settings, Synth, SynthError};
-use crate::paths::block::SlowTime;
 use crate::paths::list::ScattererPaths;
 
 /// Most pulses of a block.
@@ -64,51 +66,9 @@ pub struct Fill {
     pub drift_cells: f64,
 }
 
-/// What the pulses of a block have in common, whatever its scatterer paths.
-#[derive(Debug, Default)]
-pub struct Frame {
-    /// First sample of each pulse's window.
-    pub(super) windows_s: Vec<f64>,
-    /// `[layer][bin]`: from grid to spectrum.
-    pub(super) replicas: Vec<Vec<Complex64>>,
-    /// `[pair]`: mean Doppler `f0 r`, Hz.
-    pub(super) mean_hz: Vec<f64>,
-    /// When the pulses are.
-    pub slow: SlowTime,
-    /// Group of channels that each pulse fills; empty where every pulse fills all.
-    pub groups: Vec<u8>,
-}
-
-impl Clone for Frame {
-    fn clone(&self) -> Self {
-        let mut own = Self::default();
-        own.clone_from(self);
-        own
-    }
-
-    /// Without allocating where there is room: exact pulses copy a frame for each of them.
-    fn clone_from(&mut self, from: &Self) {
-        let Self { windows_s, replicas, mean_hz, slow, groups } = from;
-        self.windows_s.clone_from(windows_s);
-        self.slow.clone_from(slow);
-        self.groups.clone_from(groups);
-        self.replicas.clone_from(replicas);
-        self.mean_hz.clone_from(mean_hz);
-    }
-}
-
-impl Frame {
-    /// Pulses of the block.
-    pub fn pulses(&self) -> usize {
-        self.windows_s.len()
-    }
-}
-
 /// Scatterer paths of a block of pulses. Made by [`Synth::block`], filled by [`Synth::fill`].
 #[derive(Debug)]
 pub struct BlockPaths<T: Scalar> {
-    /// Pulse of the grids at which the block begins.
-    pub(super) start: usize,
     pub(super) frame: Frame,
     /// `[pair]`.
     pub(super) polynomials: Vec<DelayPolynomials<T>>,
@@ -118,9 +78,9 @@ pub struct BlockPaths<T: Scalar> {
     pub(super) powers: usize,
     /// `[pair]`: what multiplies the amplitudes, `[pulse][path]`; empty where nothing does.
     pub(super) factors: Vec<Vec<T>>,
-    /// Of every pulse, those of a group together.
+    /// What pulses receive, that of a group together.
     pub(super) emitted: Vec<Emitted<T>>,
-    /// Groups of its pulses; empty where every pulse fills all channels.
+    /// Groups of its emissions; empty where every one fills all channels.
     pub(super) groups: Vec<u8>,
     pub(super) fill: Fill,
 }
@@ -128,13 +88,7 @@ pub struct BlockPaths<T: Scalar> {
 impl<T: Scalar> BlockPaths<T> {
     pub(super) fn new(pairs: usize, layers: usize) -> Self {
         Self {
-            start: 0,
-            frame: Frame {
-                windows_s: Vec::with_capacity(FEW_PULSES),
-                replicas: vec![Vec::new(); layers],
-                mean_hz: vec![0.0; pairs],
-                ..Frame::default()
-            },
+            frame: Frame::with_room(FEW_PULSES, pairs, layers),
             polynomials: (0..pairs).map(|_| DelayPolynomials::default()).collect(),
             amplitude: (0..layers).map(|_| Vec::new()).collect(),
             powers: 2,
@@ -147,7 +101,7 @@ impl<T: Scalar> BlockPaths<T> {
 
     /// Pulses of the block.
     pub fn pulses(&self) -> usize {
-        self.emitted.len()
+        self.frame.pulses()
     }
 
     /// Scatterer paths, those of zero amplitude included.
@@ -254,38 +208,63 @@ impl<T: Scalar> Synth<T> {
         windows_s: &[f64],
         block: &mut BlockPaths<T>,
     ) -> Result<(), SynthError> {
-        self.check(nodes, windows_s)?;
+        self.check(nodes, windows_s.len(), windows_s)?;
         let means: [f64; 0] = [];
         self.frame(windows_s, &means, &mut block.frame);
         for pair in 0..self.pairs {
             block.frame.mean_hz[pair] = self.mean_hz(nodes, pair);
         }
         self.fill_replicas(&mut block.frame);
-        block.start = 0;
-        block.frame.slow.level();
-        block.frame.groups.clear();
-        self.fill_paths(nodes, windows_s, (&SlowTime::default(), &[]), block);
+        block.frame.level();
+        let frame = std::mem::take(&mut block.frame);
+        self.fill_paths(nodes, &frame, 0..windows_s.len(), block);
+        block.frame = frame;
         Ok(())
     }
 
-    /// The same for some pulses of a longer block, of which `frame` has windows and mean Doppler; nodes
-    /// count from the first of these pulses.
+    /// The same for some of the emissions at hand of a longer block, of which `frame` has windows and mean
+    /// Doppler; nodes count from the first of these emissions.
     ///
     /// # Errors
-    /// As [`Self::fill`]; pulses that the frame does not have.
+    /// As [`Self::fill`]; emissions that the frame does not have.
     pub fn fill_part(
         &self,
         nodes: &[Node<'_>],
         frame: &Frame,
-        pulses: std::ops::Range<usize>,
+        emissions: Range<usize>,
         block: &mut BlockPaths<T>,
     ) -> Result<(), SynthError> {
-        let windows_s = frame.windows_s.get(pulses.clone()).unwrap_or_default();
-        self.check(nodes, windows_s)?;
-        block.frame.mean_hz.clone_from(&frame.mean_hz);
-        block.start = pulses.start;
-        let groups = frame.groups.get(pulses).unwrap_or_default();
-        self.fill_paths(nodes, windows_s, (&frame.slow, groups), block);
+        let known = !frame.receives.is_empty() || emissions.end <= frame.pulses();
+        let count = if known { emissions.len() } else { 0 };
+        self.check(nodes, count, &frame.windows_s)?;
+        self.fill_paths(nodes, frame, emissions, block);
+        Ok(())
+    }
+
+    /// The same for the own emission of a pulse of a longer block, which fills channels of a group (all
+    /// without one), whether it is at hand or not.
+    ///
+    /// # Errors
+    /// As [`Self::fill`]; a pulse that the frame does not have.
+    pub fn fill_own(
+        &self,
+        paths: &ScattererPaths,
+        frame: &Frame,
+        (pulse, group): (usize, Option<u8>),
+        block: &mut BlockPaths<T>,
+    ) -> Result<(), SynthError> {
+        let opens_s = frame.windows_s.get(pulse..=pulse).unwrap_or_default();
+        let nodes = [Node { pulse: 0, paths }];
+        self.check(&nodes, opens_s.len(), opens_s)?;
+        let mut alone = std::mem::take(&mut block.frame);
+        alone.level();
+        alone.windows_s.clear();
+        alone.windows_s.extend_from_slice(opens_s);
+        alone.mean_hz.clone_from(&frame.mean_hz);
+        alone.groups.extend(group);
+        self.fill_paths(&nodes, &alone, 0..1, block);
+        block.frame = alone;
+        block.emitted.iter_mut().for_each(|own| own.grid = pulse);
         Ok(())
     }
 
@@ -303,43 +282,20 @@ impl<T: Scalar> Synth<T> {
         }
     }
 
-    /// When pulses are, `time` from the instants from which phases and amplitudes count, and how far each
-    /// window is from that of the middle pulse, which is returned. Those of a group stand together.
-    pub(super) fn fill_emitted(
-        &self,
-        (windows_s, groups): (&[f64], &[u8]),
-        uneven: bool,
-        time: impl Fn(usize) -> [f64; 2],
-        emitted: &mut Vec<Emitted<T>>,
-    ) -> f64 {
-        let reference_s = windows_s[windows_s.len() / 2];
-        emitted.clear();
-        emitted.extend(windows_s.iter().enumerate().map(|(row, start_s)| {
-            let cells = ((reference_s - start_s) * self.cells_per_s).clamp(-FAR_CELLS, FAR_CELLS);
-            let whole = cells.round();
-            let shift = (whole as i32, T::round_from(cells - whole));
-            let [time, amplitude_time] = time(row);
-            Emitted::new(shift, time, amplitude_time, (row, uneven))
-        }));
-        if !groups.is_empty() {
-            emitted.sort_unstable_by_key(|own| (groups.get(own.row), own.row));
-        }
-        reference_s
-    }
-
     fn fill_paths(
         &self,
         nodes: &[Node<'_>],
-        windows_s: &[f64],
-        (slow, groups): (&SlowTime, &[u8]),
+        frame: &Frame,
+        emissions: Range<usize>,
         block: &mut BlockPaths<T>,
     ) {
-        let (start, uneven) = (block.start, !slow.uneven().is_empty());
-        let middle = slow.at(start + windows_s.len() / 2);
+        let (slow, start, count) = (&frame.slow, emissions.start, emissions.len());
+        let uneven = !slow.uneven().is_empty();
+        let middle = slow.at(start + count / 2);
         let time = |row: usize| [slow.at(start + row) - middle; 2];
         block.groups.clear();
-        block.groups.extend_from_slice(groups);
-        let reference_s = self.fill_emitted((windows_s, groups), uneven, time, &mut block.emitted);
+        block.groups.extend_from_slice(frame.groups.get(emissions.clone()).unwrap_or_default());
+        let reference_s = self.fill_emitted(frame, emissions, time, &mut block.emitted);
         let mut places = [0.0; MAX_NODES];
         for (place, node) in places.iter_mut().zip(nodes) {
             *place = slow.at(start + node.pulse) - middle;
@@ -348,15 +304,15 @@ impl<T: Scalar> Synth<T> {
         block.fill = Fill::default();
         block.factors.iter_mut().for_each(Vec::clear);
         // How far the polynomials reach, intervals.
-        let reach = [0, windows_s.len() - 1].map(|row| time(row)[0].abs());
+        let reach = [0, count - 1].map(|row| time(row)[0].abs());
         let reach = reach.into_iter().fold(0.5 * FEW_PULSES as f64, f64::max);
         for pair in 0..self.pairs {
-            self.fill_pair(nodes, &through, (reference_s, reach, uneven), pair, block);
+            let mean_hz = frame.mean_hz[pair];
+            self.fill_pair(nodes, &through, (reference_s, reach, uneven), (pair, mean_hz), block);
         }
     }
 
-    fn check(&self, nodes: &[Node<'_>], windows_s: &[f64]) -> Result<(), SynthError> {
-        let pulses = windows_s.len();
+    fn check(&self, nodes: &[Node<'_>], pulses: usize, windows_s: &[f64]) -> Result<(), SynthError> {
         if !(1..=MAX_PULSES).contains(&pulses) {
             return Err(SynthError::Pulses { pulses });
         }
@@ -413,11 +369,10 @@ impl<T: Scalar> Synth<T> {
         nodes: &[Node<'_>],
         through: &Through,
         (reference_s, reach, uneven): (f64, f64, bool),
-        pair: usize,
+        (pair, mean_hz): (usize, f64),
         block: &mut BlockPaths<T>,
     ) {
         let paths = nodes[0].paths.len();
-        let mean_hz = block.frame.mean_hz[pair];
         let correction = self.correction();
         let polynomials = &mut block.polynomials[pair];
         polynomials.phase.iter_mut().for_each(|p| p.resize(paths, T::Turns::default()));

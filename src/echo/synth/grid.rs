@@ -6,7 +6,7 @@
 //! without a branch), and `width` more take what lies outside the window and is never read.
 //!
 //! Pulses do not share cells, so threads may each take a share of the pulses: no sum depends on how many
-//! there are. Where polarisations alternate, pulses that fill the same channels stand together.
+//! there are.
 
 use num_complex::Complex;
 
@@ -88,8 +88,6 @@ impl Shape {
 pub struct Grids<T> {
     pub(super) shape: Shape,
     cells: Lined<T>,
-    /// Place of the grids of each pulse; empty where they stand in the order of the pulses.
-    places: Vec<usize>,
 }
 
 /// The grids of some neighbouring pulses of a block, for one thread.
@@ -103,29 +101,12 @@ pub struct Share<'a, T> {
 
 impl<T: Scalar> Grids<T> {
     pub(super) fn new(shape: Shape) -> Self {
-        Self { shape, cells: Lined::default(), places: Vec::new() }
+        Self { shape, cells: Lined::default() }
     }
 
-    /// Empties the grids and makes room for `pulses`, of some groups if any.
-    pub(super) fn reset(&mut self, pulses: usize, groups: &[u8]) {
+    /// Empties the grids and makes room for `pulses`.
+    pub(super) fn reset(&mut self, pulses: usize) {
         self.cells.reset(pulses * self.shape.pulse_len());
-        self.places.clear();
-        // By group, and in their order within one.
-        let mut next = [0; 256];
-        groups.iter().for_each(|group| next[usize::from(*group)] += 1);
-        let mut before = 0;
-        for next in &mut next {
-            (*next, before) = (before, before + *next);
-        }
-        self.places.extend(groups.iter().map(|group| {
-            let next = &mut next[usize::from(*group)];
-            *next += 1;
-            *next - 1
-        }));
-    }
-
-    fn place(&self, pulse: usize) -> usize {
-        self.places.get(pulse).copied().unwrap_or(pulse)
     }
 
     /// Splits the pulses in `count` shares of equal size (the last may be smaller; there may be fewer).
@@ -137,20 +118,22 @@ impl<T: Scalar> Grids<T> {
         chunks.enumerate().map(move |(i, cells)| Share { first: i * each, pulse_len, cells })
     }
 
-    /// The grids of so many pulses that stand together, from one on.
-    pub(super) fn from(&mut self, pulse: usize, pulses: usize) -> &mut [T] {
+    /// The grids of all pulses.
+    pub(super) fn all(&mut self) -> &mut [T] {
+        self.cells.as_mut_slice()
+    }
+
+    /// Those of one.
+    pub(super) fn of_pulse(&mut self, pulse: usize) -> &mut [T] {
         let pulse_len = self.shape.pulse_len();
-        let from = self.place(pulse) * pulse_len;
-        let cells = self.cells.as_mut_slice();
-        let to = (from + pulses * pulse_len).min(cells.len());
-        &mut cells[from.min(to)..to]
+        &mut self.cells.as_mut_slice()[pulse * pulse_len..][..pulse_len]
     }
 
     /// The grid of one channel, the edges folded, `period` cells.
     pub(super) fn fold(&self, pulse: usize, layer: usize, channel: usize, out: &mut [Complex<T>]) {
         let shape = &self.shape;
         let lanes = shape.lanes[layer];
-        let from = self.place(pulse) * shape.pulse_len() + shape.offset(layer);
+        let from = pulse * shape.pulse_len() + shape.offset(layer);
         let cells = &self.cells.as_slice()[from..][..(shape.period + shape.width) * lanes];
         out.fill(Complex::new(T::default(), T::default()));
         let value = |cell: &[T]| Complex::new(cell[2 * channel], cell[2 * channel + 1]);

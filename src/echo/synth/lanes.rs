@@ -23,7 +23,7 @@ use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
 use crate::paths::block::{Instants, Pair, TURNED_LANES, Tile};
 
-/// Most pulses that are spread with one set of polynomials: their grids stay in the cache.
+/// Most emissions that are spread with one set of polynomials: their grids stay in the cache.
 pub(super) const TOGETHER: usize = 64;
 
 /// Room to work; one per thread.
@@ -113,7 +113,7 @@ impl Synth<f32> {
         if let Some(supports) = tile.supports() {
             return self.spread_profiles(tile, pair, supports, frame, work, grids);
         }
-        let pulses = frame.pulses();
+        let pulses = tile.instants.pulses;
         self.fill_moments(tile, pair, frame.mean_hz[pair], work);
         let mut at = None;
         for interval in 0..node_count.saturating_sub(1).max(1) {
@@ -254,27 +254,26 @@ impl Synth<f32> {
         grids: &mut Grids<f32>,
     ) {
         let LaneWork { polynomials, amplitude, emitted, powers: in_use, .. } = work;
-        let (slow, uneven) = (&tile.slow, !tile.slow.uneven().is_empty());
+        let slow = &tile.slow;
         let middle = slow.at(pulses.start + pulses.len() / 2);
-        let middles = [middle, slow.at(frame.pulses() / 2)];
+        let middles = [middle, slow.at(tile.instants.pulses / 2)];
         let groups = frame.groups.get(pulses.clone()).unwrap_or_default();
-        let reference_s = self.fill_emitted(
-            (&frame.windows_s[pulses.clone()], groups),
-            uneven,
-            |row| middles.map(|middle| slow.at(pulses.start + row) - middle),
-            emitted,
-        );
+        let time = |row: usize| middles.map(|middle| slow.at(pulses.start + row) - middle);
+        let reference_s = self.fill_emitted(frame, pulses.clone(), time, emitted);
         self.polynomials_between(tile, pair, interval, (middle, reference_s), frame, polynomials);
         let Pair { factor, turned, .. } = &tile.pairs[pair];
         let stride = grids.shape.pulse_len();
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair) {
             let own = of_group(emitted, groups, layer.group);
-            let Some(head) = own.first() else { continue };
+            if own.is_empty() {
+                continue;
+            }
             let powers = amplitude[index].each_ref().map(|power| power.as_slice());
             let job = Job {
                 polynomials,
                 amplitude: &powers[..*in_use],
                 pulses: own,
+                first: 0,
                 factors: factor[pulses.clone()].as_flattened(),
                 turned: turned.get(pulses.clone()).unwrap_or_default().as_flattened().as_flattened(),
                 factor_stride: LANES,
@@ -285,8 +284,7 @@ impl Synth<f32> {
                 stride,
                 offset: self.shape.offset(index),
             };
-            let cells = grids.from(pulses.start + head.row, own.len());
-            (self.bodies[index])(&job, cells);
+            (self.bodies[index])(&job, grids.all());
         }
     }
 }

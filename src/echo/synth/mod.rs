@@ -70,6 +70,7 @@
 pub mod block;
 pub mod bands;
 pub mod doppler;
+mod frame;
 pub mod kernel;
 mod grid;
 pub mod lanes;
@@ -413,12 +414,12 @@ impl<T: Scalar> Synth<T> {
 
     /// Makes room in `grids` for a block, and empties them.
     pub fn clear(&self, block: &BlockPaths<T>, grids: &mut Grids<T>) {
-        grids.reset(block.pulses(), &[]);
+        grids.reset(block.pulses());
     }
 
     /// Empties `grids` and makes room for the pulses of a block.
     pub fn clear_for(&self, frame: &Frame, grids: &mut Grids<T>) {
-        grids.reset(frame.pulses(), &frame.groups);
+        grids.reset(frame.pulses());
     }
 
     /// Adds the scatterer paths of a block that was filled as a part ([`Synth::fill_part`]) to the grids of
@@ -427,9 +428,8 @@ impl<T: Scalar> Synth<T> {
         let stride = grids.shape.pulse_len();
         for index in 0..self.layers.len() {
             let emitted = of_group(&block.emitted, &block.groups, self.layers[index].group);
-            if let Some(first) = emitted.first() {
-                let cells = grids.from(block.start + first.row, emitted.len());
-                self.spread_layer(block, index, emitted, stride, cells);
+            if !emitted.is_empty() {
+                self.spread_layer(block, index, emitted, (0, stride), grids.all());
             }
         }
     }
@@ -439,7 +439,7 @@ impl<T: Scalar> Synth<T> {
         let pulses = share.cells.len() / share.pulse_len;
         let Some(emitted) = block.emitted.get(share.first..share.first + pulses) else { return };
         for index in 0..self.layers.len() {
-            self.spread_layer(block, index, emitted, share.pulse_len, share.cells);
+            self.spread_layer(block, index, emitted, (share.first, share.pulse_len), share.cells);
         }
     }
 
@@ -448,7 +448,7 @@ impl<T: Scalar> Synth<T> {
         block: &BlockPaths<T>,
         index: usize,
         pulses: &[Emitted<T>],
-        stride: usize,
+        (first, stride): (usize, usize),
         cells: &mut [T],
     ) {
         let pair = self.layers[index].pair;
@@ -458,6 +458,7 @@ impl<T: Scalar> Synth<T> {
             polynomials: &block.polynomials[pair],
             amplitude: &powers[..block.powers],
             pulses,
+            first,
             factors: &block.factors[pair],
             turned: &[],
             turned_stride: 0,
@@ -493,8 +494,7 @@ impl<T: Scalar> Synth<T> {
         out: &mut [Complex64],
     ) {
         out.fill(Complex64::ZERO);
-        let group = frame.groups.get(pulse);
-        let filled = |layer: &Layer| group.is_none_or(|group| *group == layer.group);
+        let filled = |layer: &Layer| frame.fills(pulse, layer.group);
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| filled(layer)) {
             for (at, channel) in layer.channels.iter().enumerate() {
                 grids.fold(pulse, index, at, &mut scratch.cells);
@@ -509,7 +509,7 @@ impl<T: Scalar> Synth<T> {
     }
 }
 
-/// The pulses of a group, which stand together; all where there are no groups.
+/// Emissions of a group, which stand together; all where there are no groups.
 fn of_group<'a, T>(emitted: &'a [Emitted<T>], groups: &[u8], group: u8) -> &'a [Emitted<T>] {
     if groups.is_empty() {
         return emitted;

@@ -87,7 +87,7 @@ impl Synth<f32> {
                 let fills = frame.groups.get(pulse).is_none_or(|group| *group == layer.group);
                 if fills {
                     let from = self.shape.offset(index);
-                    let cells = &mut grids.from(pulse, 1)[from..][..self.shape.layer_len(index)];
+                    let cells = &mut grids.of_pulse(pulse)[from..][..self.shape.layer_len(index)];
                     self.add_pulse((index, layer, pulse), (supports, shape), &mut work.rows, cells);
                 }
             }
@@ -162,7 +162,7 @@ impl Synth<f32> {
             let least = self.variant.run(FirstCell { polynomials, time: time as f32, reach });
             rows.first.push(least);
             let shift = (-least.unwrap_or(0), 0.0);
-            emitted.push(Emitted::new(shift, time, at - slow.at(pulses / 2), (row, uneven)));
+            emitted.push(Emitted::new(shift, [time, at - slow.at(pulses / 2)], (row, row), uneven));
         }
         let Pair { factor, turned, .. } = &tile.pairs[pair];
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair) {
@@ -172,6 +172,7 @@ impl Synth<f32> {
                 polynomials,
                 amplitude: &powers[..*in_use],
                 pulses: emitted,
+                first: own.start,
                 factors: factor.as_flattened(),
                 turned: turned.as_flattened().as_flattened(),
                 factor_stride: LANES,

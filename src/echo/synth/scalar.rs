@@ -233,7 +233,8 @@ mod tests {
             for m in -300..=300 {
                 let time = 0.1031 * f64::from(m);
                 let exact = p[0] + time * (p[1] + time * (p[2] + time * p[3]));
-                let Emitted { ticks, rest, time, .. } = Emitted::<f32>::new((0, 0.0), time, time, (0, true));
+                let Emitted { ticks, rest, time, .. } =
+                    Emitted::<f32>::new((0, 0.0), [time; 2], (0, 0), true);
                 let high = time * time * (p[3] as f32 * time + p[2] as f32) + p[1] as f32 * rest;
                 let [phi0, phi1] = [p[0], p[1] / TICKS].map(<f32 as Scalar>::turns);
                 let error = f64::from(<f32 as Scalar>::uneven_phase(phi0, phi1, ticks, high)) - exact;

@@ -47,7 +47,7 @@ impl<T: Scalar> DelayPolynomials<T> {
     }
 }
 
-/// When a pulse is, and where its window.
+/// An emission as a pulse receives it: when it is, and where the window of the pulse.
 #[derive(Clone, Copy, Debug)]
 pub struct Emitted<T> {
     /// Shift of all places: whole cells and the rest.
@@ -62,12 +62,19 @@ pub struct Emitted<T> {
     pub amplitude_time: T,
     /// Place of its factors.
     pub row: usize,
+    /// Pulse whose grids it goes to.
+    pub grid: usize,
 }
 
 impl<T: Scalar> Emitted<T> {
-    /// A pulse whose window is shifted, so many intervals from the instants from which phases and amplitudes
-    /// count; `uneven`: where intervals differ.
-    pub fn new(shift: (i32, T), time: f64, amplitude_time: f64, (row, uneven): (usize, bool)) -> Self {
+    /// An emission so many intervals from the instants from which phases and amplitudes count, on the grids
+    /// of a pulse whose window is shifted; `uneven`: where intervals differ.
+    pub fn new(
+        shift: (i32, T),
+        [time, amplitude_time]: [f64; 2],
+        (row, grid): (usize, usize),
+        uneven: bool,
+    ) -> Self {
         let ticks = if uneven { (time * TICKS).round() } else { time };
         let rest = if uneven { time - ticks / TICKS } else { 0.0 };
         Self {
@@ -77,6 +84,7 @@ impl<T: Scalar> Emitted<T> {
             time: T::round_from(time),
             amplitude_time: T::round_from(amplitude_time),
             row,
+            grid,
         }
     }
 }
@@ -86,8 +94,10 @@ pub struct Job<'a, T: Scalar> {
     pub polynomials: &'a DelayPolynomials<T>,
     /// `[power][path][lane]`.
     pub amplitude: &'a [&'a [T]],
-    /// The pulses of the share that fill the layer, whose grids stand in this order.
+    /// What fills the layer, in an order in which neighbours have grids of their own.
     pub pulses: &'a [Emitted<T>],
+    /// Pulse whose grids are the first at hand.
+    pub first: usize,
     /// What multiplies the amplitudes, `[row][path]`; empty where nothing does.
     pub factors: &'a [T],
     /// Numbers from the factors of one pulse to the next.
@@ -169,8 +179,7 @@ fn spread_powers<
     while from < paths {
         let part = from..paths.min(from + CHUNK);
         let amplitude = amplitude.map(|power| &power[part.clone()]);
-        let groups = job.pulses.chunks(TOGETHER).zip(grids.chunks_mut(TOGETHER * job.stride));
-        for (pulses, grids) in groups {
+        for pulses in job.pulses.chunks(TOGETHER) {
             let (part, passes) = (part.clone(), &mut passes);
             match (job.turned.is_empty(), job.polynomials.uneven[0].is_empty()) {
                 (true, true) => {
@@ -186,7 +195,7 @@ fn spread_powers<
                     instructions.run(Place::<T, FUSED, W, true, true> { job, part, pulses, passes });
                 }
             }
-            let passes = &passes[..pulses.len()];
+            let (passes, grids) = (&passes[..pulses.len()], &mut *grids);
             instructions.run(Scatter::<T, FUSED, W, C, P> { job, passes, amplitude, pulses, grids });
         }
         from = part.end;
@@ -244,16 +253,20 @@ impl<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usiz
     #[inline(always)]
     fn run(self) {
         let Self { job, passes, amplitude, pulses, grids } = self;
-        let mut parts = grids
-            .chunks_mut(job.stride)
-            .map(|part| part.get_mut(job.offset..).unwrap_or_default().as_chunks_mut::<C>().0);
-        if passes.len() == TOGETHER {
-            let cells = std::array::from_fn(|_| parts.next().unwrap_or_default());
+        let of = |pulse: &Emitted<T>| {
+            let from = pulse.grid.wrapping_sub(job.first).wrapping_mul(job.stride);
+            from.wrapping_add(job.offset)..from.wrapping_add(job.stride)
+        };
+        if let Ok(own) = <&[_; TOGETHER]>::try_from(pulses)
+            && let Ok(parts) = grids.get_disjoint_mut(own.each_ref().map(of))
+        {
+            let cells = parts.map(|part| part.as_chunks_mut::<C>().0);
             scatter::<T, FUSED, W, C, P, TOGETHER>(passes, amplitude, pulses, cells);
-        } else {
-            for ((passes, cells), pulse) in passes.chunks(1).zip(parts).zip(pulses.chunks(1)) {
-                scatter::<T, FUSED, W, C, P, 1>(passes, amplitude, pulse, [cells]);
-            }
+            return;
+        }
+        for (passes, pulse) in passes.chunks(1).zip(pulses.chunks(1)) {
+            let Some(part) = pulse.first().and_then(|own| grids.get_mut(of(own))) else { continue };
+            scatter::<T, FUSED, W, C, P, 1>(passes, amplitude, pulse, [part.as_chunks_mut::<C>().0]);
         }
     }
 }

@@ -14,7 +14,6 @@ use super::{ErrorSampler, Law, Powers, Truth};
 use crate::fidelity::worst::Sum;
 use crate::paths::list::ScattererPaths;
 use crate::radar::fault::RadarError;
-use crate::radar::window::Window;
 use crate::scene::Patch;
 
 /// Share of the power of a pulse's rain and breaking waves below which one of them is left out.
@@ -48,11 +47,11 @@ impl ErrorSampler<'_> {
             self.generator.breakers((index, 0), patch, tiles, &mut self.memory, breakers)?;
         }
         self.generator.rain_at(index, &mut self.memory, rain)?;
-        let window = Window::new(self.radar, self.generator.window_start_of(index)?, self.pulse_s);
+        let hearing = self.generator.hearing(index)?;
         for paths in &mut both {
             for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
                 for (a, delay_s) in paths.amplitude[channel].iter_mut().zip(&paths.delay_s[*pair]) {
-                    *a *= window.share(*delay_s).sqrt();
+                    *a *= hearing.share(*delay_s).sqrt();
                 }
             }
         }

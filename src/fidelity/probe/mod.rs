@@ -56,7 +56,6 @@ use crate::paths::block::{FEW, Instants, TileWork};
 use crate::paths::{PathGenerator, Workspace};
 use crate::radar::fault::RadarError;
 use crate::radar::waveform::Waveform;
-use crate::radar::window::Window;
 use crate::scene::{Patch, Radar};
 
 use exact::ExactPulse;
@@ -100,7 +99,7 @@ struct Truth {
     rate: Vec<f64>,
     amplitude: Vec<[Row; 2]>,
     factor: Row,
-    /// How much the window receives of each ([`Window::share`]).
+    /// How much windows receive of each (`Hearing::share`).
     share: Vec<f64>,
     /// Cosines of the local angles, transmitter and receiver.
     cosine: [Row; 2],
@@ -147,8 +146,6 @@ pub struct ErrorSampler<'a> {
     /// Channels of each pair.
     channels: Vec<Vec<usize>>,
     interval_s: f64,
-    /// Whether blocks are interpolated at all.
-    interpolates: bool,
     /// Whether some facets turn away from an antenna.
     turning: bool,
     /// `(pair, Doppler Hz, power W)` of facets, all places.
@@ -212,7 +209,6 @@ impl<'a> ErrorSampler<'a> {
             places: Vec::new(),
             channels,
             interval_s: radar.emissions.mean_pri_s(),
-            interpolates: true,
             turning: false,
             dopplers: Vec::new(),
             exact_pulses: Vec::new(),
@@ -302,7 +298,7 @@ impl<'a> ErrorSampler<'a> {
 
     /// Whether blocks are interpolated at all; if not, every pulse is made by itself.
     pub fn interpolates(&self) -> bool {
-        self.interpolates
+        self.generator.overlap_pulses().is_some()
     }
 
     /// Whether some facets turn away from an antenna while they are received.
@@ -394,8 +390,6 @@ impl<'a> ErrorSampler<'a> {
 
     fn open(&mut self, place: usize) -> Result<(), RadarError> {
         let first = self.places[place].first;
-        let pulses = [first, (first + self.longest() - 1).min(self.pulses.saturating_sub(1))];
-        self.interpolates &= self.generator.receives_itself_alone(&pulses, &mut self.memory)?;
         let patch = self.places[place].patch;
         let truths = self.illuminate(first, patch.as_ref(), Keep::default())?;
         let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
@@ -482,8 +476,7 @@ impl<'a> ErrorSampler<'a> {
     fn illuminate(&mut self, at: u64, patch: Option<&Patch>, keep: Keep) -> Result<Vec<Truth>, RadarError> {
         let mut truths = Vec::new();
         let (Some(patch), Some(tiles)) = (patch, &mut self.tiles) else { return Ok(truths) };
-        let opens_s = self.generator.window_start_of(at)?;
-        let window = Window::new(self.radar, opens_s, self.pulse_s);
+        let hearing = self.generator.hearing(at)?;
         let instants = Instants::of_block(at, 1, 1, 1).into();
         let candidates = &self.candidates;
         self.generator.sample_tiles(&instants, patch, TILES, keep, tiles, |sampled| {
@@ -495,7 +488,7 @@ impl<'a> ErrorSampler<'a> {
                 rate: node.delay_rate.to_vec(),
                 amplitude: epoch.rows(),
                 factor: sampled.of.factor[0],
-                share: node.delay_s.iter().map(|delay_s| window.share(*delay_s)).collect(),
+                share: node.delay_s.iter().map(|delay_s| hearing.share(*delay_s)).collect(),
                 cosine: epoch.cosine,
             });
         })?;
@@ -513,9 +506,9 @@ impl<'a> ErrorSampler<'a> {
         deviations_of(self.pulses.saturating_mul(self.power.len() as u64))
     }
 
-    /// Resolution cells from the first delay on that the receive window of a pulse holds.
+    /// Resolution cells from the first delay on that windows receive of a pulse.
     fn cells_at(&self, index: u64) -> Result<Cells, RadarError> {
-        let from_s = self.generator.window_start_of(index)? - self.pulse_s;
+        let from_s = self.generator.hearing(index)?.opens_s() - self.pulse_s;
         Ok(Cells { from_s, per_s: self.cells_per_s })
     }
 }

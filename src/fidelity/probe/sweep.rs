@@ -12,7 +12,6 @@ use crate::paths::block::{
     Instants, Sidelobe, SlowTime, Tiers, gain_instants, gain_step, gain_weights, sidelobe_gain_pulses,
 };
 use crate::radar::fault::RadarError;
-use crate::radar::window::Window;
 
 /// Most instants at which the gains of a block are found.
 const MOST_GAINS: usize = 128;
@@ -184,8 +183,7 @@ impl ErrorSampler<'_> {
         let mut sums = [none(), none()];
         let (pairs, mut exact) = (self.channels.len(), Vec::new());
         let block = Instants::of_block(first, pulses, 1, fine);
-        let opens_s = self.generator.window_start_of(first)?;
-        let window = Window::new(self.radar, opens_s, self.pulse_s);
+        let hearing = self.generator.hearing(first)?;
         for (tier, sums) in sums.iter_mut().enumerate() {
             // Gains of sidelobe tiles as often, too, but with directions that are straight from end to
             // end of the block.
@@ -202,7 +200,7 @@ impl ErrorSampler<'_> {
                         factor: sampled.of.factor.iter().step_by(fine).copied().collect(),
                         amplitude: sampled.of.epochs()[0].rows(),
                         delay_s: delays_s.to_vec(),
-                        share: delays_s.iter().map(|delay_s| window.share(*delay_s)).collect(),
+                        share: delays_s.iter().map(|delay_s| hearing.share(*delay_s)).collect(),
                         runs: runs_of(sampled, candidates),
                     });
                 }

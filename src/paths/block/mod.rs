@@ -66,7 +66,6 @@ use crate::geometry::lanes::{LANES, Row};
 use crate::paths::emission::Emission;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::fault::RadarError;
-use crate::radar::window::Window;
 use crate::scattering::bragg::block as bragg_block;
 use crate::scattering::lanes::{Batch, LandRows};
 use crate::scene::Patch;
@@ -219,15 +218,14 @@ impl PathGenerator {
         work.weigh_shadows(self, sea, instants, patch, Heights::Exact)
             .map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Shadow);
-        let opens_s = self.window_start_of(first + (instants.pulses / 2) as u64)?;
-        let window = Window::new(&self.radar, opens_s, self.pulse_length_s);
+        let hearing = self.hearing(first + (instants.pulses / 2) as u64)?;
         let mut facets = 0;
         work.part = Part::Still;
         for runs in Cut::of(patch.facets).sample(SAMPLED) {
             facets += work.take(runs);
             self.evaluate_tile(sea, patch, work);
             for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
-                pair.add_to(sample, work.tile.count, &window);
+                pair.add_to(sample, work.tile.count, &hearing);
             }
         }
         for sample in samples {

@@ -20,7 +20,6 @@ use crate::frames::{Earth, Enu, Point, Vector};
 use crate::geometry::light_time::{LightTime, Path, bistatic};
 use crate::paths::list::ScattererPaths;
 use crate::radar::fault::RadarError;
-use crate::radar::window::Window;
 use crate::scattering::breaking as scattering;
 use crate::scattering::tilt::{self, ScatterMatrix};
 use crate::scene::Patch;
@@ -153,7 +152,7 @@ impl PathGenerator {
         let Some(sea) = self.sea.as_ref().filter(|sea| sea.breaking.is_some()) else { return Ok(()) };
         let Workspace { own, amplitude, .. } = workspace;
         self.evaluate(index, own)?;
-        let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
+        let window = self.window_or_all(index)?;
         let reception = self.reception_of_all(index, own, window);
         let weight = |antenna: usize, facet| tiles.seen_from(antenna, pulse).of(facet);
         let appended = self.append_breakers(sea, &reception, patch, weight, amplitude, paths);

@@ -144,10 +144,9 @@ impl PathGenerator {
         self.slow_time(first, count, slow);
         elapsed_s.clear();
         elapsed_s.extend((first..).take(count).map(|index| self.radar.emissions.interval_s(0, index)));
-        let mut windows = [Window::new(&self.radar, 0.0, self.pulse_length_s); NODES];
+        let mut windows = [Window::UNBOUNDED; NODES];
         for (window, place) in windows.iter_mut().zip(stretch.nodes) {
-            let opens_s = self.window_start_of(first + *place as u64)?;
-            *window = Window::new(&self.radar, opens_s, self.pulse_length_s);
+            *window = self.window_or_all(first + *place as u64)?;
         }
         self.sights(stretch.patch, &emissions[..count], sights);
         let made = Making {

@@ -6,13 +6,21 @@
 //! through which delay, phase and amplitude are cubics ([`crate::echo::synth::block`]); what varies from
 //! pulse to pulse multiplies the amplitude at each of them. A block that the run
 //! cuts short moves its nodes together. Nodes are functions of time: a pulse is evaluated when it is emitted,
-//! so intervals may differ, and of the channels that nodes have it fills those of its polarisation. Where
-//! windows hold more than their own emission every pulse is a block of its own, and nothing is interpolated.
-//! Where a report is changed by which something is aimed, a block ends ([`PathGenerator::unbroken`]).
+//! so intervals may differ, and of the channels that nodes have it fills those of its polarisation. Where a
+//! report is changed by which something is aimed, a block ends ([`PathGenerator::unbroken`]).
+//!
+//! What is evaluated are the **emissions** that the windows of the block receive ([`Received`]): its own
+//! pulses, and where several are in the air those before it that reach into it, or others altogether. Blocks
+//! are then shorter by these, so that nodes lie as close. Emissions are cut where a report changes or the
+//! patch moves on between them, each part with nodes of its own; parts go to the same grids. Where windows
+//! receive too many, every pulse is a block of its own, and nothing is interpolated.
 //!
 //! A patch that follows stays for some pulses ([`PathGenerator::hold_pulses`]), and blocks divide these. A
 //! block depends on its number and the run alone, so any thread may make any pulse: the block that holds it
 //! is made first, unless it is at hand. Errors of the interpolation: `docs/physics.md` section 15.7.
+
+mod doppler;
+mod exact;
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,26 +29,21 @@ use num_complex::Complex64;
 
 use crate::cpu::Variant;
 use crate::echo::synth::bands::Bands;
-use crate::echo::synth::block::{BlockPaths, Fill, Frame, MAX_PULSES, Node};
+use crate::echo::synth::block::{BlockPaths, Fill, Frame, MAX_PULSES, Node, Receives};
 use crate::echo::synth::lanes::LaneWork;
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
-use crate::fidelity::echo_settings::{EchoSettings, block_length, block_pulses};
-use crate::fidelity::probe::points::{mean_rate, of_points};
+use crate::fidelity::echo_settings::{EchoSettings, block_pulses};
 use crate::paths::block::{
     Borders, Instants, NODES, PanelWork, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, nodes_within,
 };
 use crate::paths::list::ScattererPaths;
-use crate::paths::spikes::stretch::Stretch;
-use crate::paths::{PathGenerator, Workspace};
+use crate::paths::{PathGenerator, Received, Workspace};
 use crate::pipeline::fault::PulseError;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
-use crate::scene::Patch;
 
 /// Most pulses of which points have polynomials in common: phases are rounded by the square of their number.
 const POINT_PULSES: usize = 192;
-/// Pulses of which as few are made exactly.
-const FEW_PULSES: usize = 8;
 
 /// What blocks have in common, for all threads.
 #[derive(Default)]
@@ -56,8 +59,9 @@ impl ShareBorders for SharedBorders {
 pub(crate) struct BlockEcho {
     synth: Arc<Synth<f32>>,
     borders: Arc<SharedBorders>,
-    /// Pulses of a block.
+    /// Pulses of a block, and emissions that it needs beyond as many.
     length: u64,
+    overlap_pulses: u64,
     hold_pulses: Option<u64>,
     gain_pulses: usize,
     /// Pulses from node to node of panels of ships.
@@ -75,10 +79,13 @@ pub(crate) struct BlockEcho {
 pub(crate) struct BlockWork {
     /// First pulse and the pulse after the last one.
     held: Option<(u64, u64)>,
+    received: Received,
     tiers: Tiers,
     nodes: [ScattererPaths; NODES],
     windows_s: Vec<f64>,
     frame: Frame,
+    /// Groups of the pulses' own emissions.
+    own_groups: Vec<u8>,
     part: BlockPaths<f32>,
     grids: Grids<f32>,
     scratch: SynthScratch<f32>,
@@ -123,7 +130,8 @@ impl BlockEcho {
         Ok(Self {
             synth: Arc::new(synth),
             borders: Arc::default(),
-            length: block_length(chosen.node_pulses, hold_pulses),
+            length: chosen.block_pulses(hold_pulses),
+            overlap_pulses: chosen.overlap_pulses,
             hold_pulses,
             gain_pulses,
             panel_pulses: usize::try_from(chosen.panel_pulses.unwrap_or(1)).unwrap_or(1).clamp(1, MAX_PULSES),
@@ -139,7 +147,7 @@ impl BlockEcho {
     pub fn like(other: &Self, chosen: &EchoSettings) -> Option<Self> {
         let block = usize::try_from(block_pulses(chosen.node_pulses)).ok()?;
         let (synth, borders) = (Arc::clone(&other.synth), Arc::default());
-        let length = block_length(chosen.node_pulses, other.hold_pulses);
+        let length = chosen.block_pulses(other.hold_pulses);
         (block <= MAX_PULSES).then_some(Self { synth, borders, length, ..*other })
     }
 
@@ -159,10 +167,12 @@ impl BlockEcho {
         let at_once = breakers.max(generator.rain_room());
         BlockWork {
             held: None,
+            received: Received::default(),
             tiers: Tiers::default(),
             nodes: std::array::from_fn(|_| ScattererPaths::new(pairs, channels, paths.max(at_once))),
             windows_s: Vec::with_capacity(length),
             frame: Frame::default(),
+            own_groups: Vec::new(),
             part: self.synth.block_with_room(at_once, breakers * length),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
@@ -232,47 +242,135 @@ impl BlockEcho {
         let first = index / len * len;
         // What is aimed by a report jumps with it: such a block ends there.
         let Range { start: first, end } = generator.unbroken(first..(first + len).min(self.pulses), index);
-        let pulses = (end - first) as usize;
-        let instants = Instants::of_block(first, pulses, self.epochs_per_node, self.gain_pulses);
-        work.tiers = Tiers::new(instants, self.sidelobe);
-        let node_pulses = instants.nodes.map(|place| first + place as u64);
         work.windows_s.clear();
         work.spread = 0;
-        if self.length == 1 || !generator.receives_itself_alone(&node_pulses, memory)? {
-            // A pulse by itself: exact scatterer paths, one node.
-            let paths = &mut work.nodes[0];
-            generator.pulse(index, memory, paths, pulse)?;
-            work.windows_s.push(pulse.window_start_s);
-            let node = Node { pulse: 0, paths };
-            self.synth.fill(&[node], &work.windows_s, &mut work.part)?;
-            check(work.part.found())?;
-            memory.costs.lap(Stage::Fill);
-            self.synth.spread(&work.part, &mut work.grids);
-            memory.costs.lap(Stage::Spread);
-            work.spread = work.part.found().spread;
-            work.frame.clone_from(work.part.frame());
-            return Ok((index, index + 1));
+        if self.length == 1 || !self.receives(generator, first..end, memory, work)? {
+            return self.prepare_single(generator, index, pulse, memory, work);
         }
-        for at in first..end {
+        generator.pulse_groups(first, (end - first) as usize, &mut work.own_groups);
+        work.frame.fill_own(&work.own_groups);
+        // The part with the emission in the middle decides about Doppler.
+        let emissions = work.received.emissions();
+        let middle =
+            generator.unbroken(emissions.clone(), emissions.start + (emissions.end - emissions.start) / 2);
+        let mut exact = self.emissions(generator, (first, true), middle.clone(), memory, work)?;
+        let mut at = emissions.start;
+        while at < emissions.end {
+            let part = generator.unbroken(emissions.clone(), at);
+            at = part.end;
+            if part != middle {
+                exact += self.emissions(generator, (first, false), part, memory, work)?;
+            }
+        }
+        let pulses = (end - first) as usize;
+        for pulse in if generator.rains() { 0..pulses } else { 0..0 } {
+            generator.rain_at(first + pulse as u64, memory, &mut work.nodes[0])?;
+            exact += self.spread_own(pulse, memory, work)?;
+        }
+        work.spread += exact / pulses;
+        Ok((first, end))
+    }
+
+    /// Windows of some pulses, and what they receive; `false` where that is more than blocks can have.
+    fn receives(
+        &self,
+        generator: &PathGenerator,
+        pulses: Range<u64>,
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+    ) -> Result<bool, PulseError> {
+        for at in pulses.clone() {
             work.windows_s.push(generator.window_start_of(at)?);
         }
-        work.tiers.between = self.between.filter(|_| self.synth.windows_align(&work.windows_s));
-        let patch = generator.patch_of(first)?;
+        let BlockWork { windows_s, received, .. } = work;
+        let in_blocks = generator.received(pulses.start, windows_s, memory, received)?;
+        // One more where what is in the air changes; with others nodes would be farther apart than planned.
+        let most = pulses.end - pulses.start + self.overlap_pulses + 1;
+        let emissions = received.emissions();
+        Ok(in_blocks && emissions.end - emissions.start <= most)
+    }
+
+    /// Makes a pulse by itself: exact scatterer paths, one node.
+    fn prepare_single(
+        &self,
+        generator: &PathGenerator,
+        index: u64,
+        pulse: &mut Pulse,
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+    ) -> Result<(u64, u64), PulseError> {
+        let paths = &mut work.nodes[0];
+        generator.pulse(index, memory, paths, pulse)?;
+        let node = Node { pulse: 0, paths };
+        self.synth.fill(&[node], &[pulse.window_start_s], &mut work.part)?;
+        check(work.part.found())?;
+        memory.costs.lap(Stage::Fill);
+        self.synth.spread(&work.part, &mut work.grids);
+        memory.costs.lap(Stage::Spread);
+        work.spread = work.part.found().spread;
+        work.frame.clone_from(work.part.frame());
+        Ok((index, index + 1))
+    }
+
+    /// Makes some of the emissions of a block with the given first pulse, and spreads them on the grids of
+    /// the pulses that receive them; `leads`: before all others, whose mean Doppler is theirs. Says how many
+    /// exact paths are spread, over all emissions.
+    fn emissions(
+        &self,
+        generator: &PathGenerator,
+        (first, leads): (u64, bool),
+        emissions: Range<u64>,
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+    ) -> Result<usize, PulseError> {
+        let (from, count) = (emissions.start, (emissions.end - emissions.start) as usize);
+        let instants = Instants::of_block(from, count, self.epochs_per_node, self.gain_pulses);
+        work.tiers = Tiers::new(instants, self.sidelobe);
+        // Supports know no emissions but the own ones of windows.
+        let aligned = work.received.is_alone() && self.synth.windows_align(&work.windows_s);
+        work.tiers.between = self.between.filter(|_| aligned);
+        let patch = generator.patch_of(from)?;
         let BlockWork { tiers, samples, tiles, mean_hz, nodes, windows_s, .. } = &mut *work;
         samples.clear();
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
             generator.open_block(tiers, patch, memory, tiles, samples)?;
         }
-        self.mean_doppler(generator, (first, windows_s), memory, samples, nodes, mean_hz)?;
-        let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
+        if leads {
+            let rain = first + (windows_s.len() / 2) as u64;
+            self.mean_doppler(generator, (from, count, rain), memory, samples, nodes, mean_hz)?;
+        }
+        let BlockWork { received, tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } =
+            &mut *work;
         memory.costs.lap(Stage::Record);
-        self.synth.frame(windows_s, mean_hz, frame);
-        generator.slow_time(first, pulses, &mut frame.slow);
-        generator.pulse_groups(first, pulses, &mut frame.groups);
-        self.synth.clear_for(frame, grids);
+        if leads {
+            self.synth.frame(windows_s, mean_hz, frame);
+            self.synth.clear_for(frame, grids);
+        }
+        generator.slow_time(from, count, &mut frame.slow);
+        generator.pulse_groups(from, count, &mut frame.groups);
+        frame.receives.clear();
+        if !received.is_alone() {
+            let of = |(pulse, of): (usize, &Range<u64>)| {
+                let index = first + pulse as u64;
+                let held = of.start.max(from)..of.end.min(emissions.end);
+                held.map(move |emitted| Receives {
+                    emission: (emitted - from) as usize,
+                    pulse,
+                    offset_s: generator.offset_s(index, emitted),
+                })
+            };
+            frame.receives.extend(received.of_pulses().iter().enumerate().flat_map(of));
+            frame.receives.sort_unstable_by_key(|own| (own.emission, own.pulse));
+            frame.fill_received();
+            if frame.receives.is_empty() {
+                return Ok(0);
+            }
+        }
+        let mut spread = 0;
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
             let epochs = [Tier::Mainlobe, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
-            self.synth.make_room(epochs[0].max(epochs[1]), pulses, lanes);
+            let room = count.max(frame.receives.len());
+            self.synth.make_room(epochs[0].max(epochs[1]), room, lanes);
             let tally =
                 generator.visit_tiles(patch, samples, self.least_power, tiles, &mut memory.costs, |tile| {
                     self.synth.spread_tile(tile, frame, lanes, grids);
@@ -281,70 +379,32 @@ impl BlockEcho {
                 [tally.facets, tally.illuminated, tally.culled].map(|n| n as usize);
             memory.costs.looked_at(facets, illuminated, culled);
             memory.costs.looked_at_less(tally.sidelobe as usize);
-            work.spread = (illuminated - culled) * generator.pairs().len();
+            spread = (illuminated - culled) * generator.pairs().len();
         }
         if generator.target_count() > 0 {
             let step = ((NODES - 1) * self.gain_pulses).min(POINT_PULSES);
-            for from in (0..pulses).step_by(step) {
-                self.targets(generator, first, from..(from + step).min(pulses), memory, work)?;
+            for at in (0..count).step_by(step) {
+                self.targets(generator, from, at..(at + step).min(count), memory, work)?;
             }
-            work.spread += work.part.found().spread;
+            spread += work.part.found().spread;
         }
         if let Some(mut panels) = work.panels.take() {
-            let made = self.panels(generator, (first, pulses), memory, work, &mut panels);
+            let made = self.panels(generator, (from, count), memory, work, &mut panels);
             work.panels = Some(panels);
-            work.spread += made?;
+            spread += made?;
         }
-        let mut exact = 0;
-        if let (Some(patch), true) = (&patch, generator.breakers_alive() > 0.0) {
-            exact += self.breakers(generator, (first, patch), 0..pulses, memory, work)?;
+        if leads {
+            work.spread += spread;
         }
-        for pulse in if generator.rains() { 0..pulses } else { 0..0 } {
-            generator.rain_at(first + pulse as u64, memory, &mut work.nodes[0])?;
-            exact += self.spread_exact(pulse, memory, work)?;
-        }
-        work.spread += exact / pulses;
-        Ok((first, end))
-    }
-
-    /// Breaking waves of some pulses of the block: together where they are smooth, else by halves, and a few
-    /// pulses exactly. Says how many paths are spread, over all pulses.
-    fn breakers(
-        &self,
-        generator: &PathGenerator,
-        (first, patch): (u64, &Patch),
-        pulses: Range<usize>,
-        memory: &mut Workspace,
-        work: &mut BlockWork,
-    ) -> Result<usize, PulseError> {
-        let Some(tiles) = &work.tiles else { return Ok(0) };
-        if pulses.len() <= FEW_PULSES {
-            let mut spread = 0;
-            for pulse in pulses {
-                let Some(tiles) = &work.tiles else { break };
-                let index = first + pulse as u64;
-                generator.breakers((index, pulse), patch, tiles, memory, &mut work.nodes[0])?;
-                spread += self.spread_exact(pulse, memory, work)?;
+        match &patch {
+            Some(patch) if generator.breakers_alive() > 0.0 => {
+                self.breakers(generator, (from, patch), 0..count, memory, work)
             }
-            return Ok(spread);
+            _ => Ok(0),
         }
-        let (at, count) = nodes_within(pulses.len());
-        let stretch = Stretch { block: first, pulses: pulses.clone(), nodes: &at[..count], patch };
-        let (nodes, factors) = (&mut work.nodes[..count], &mut work.factors);
-        if pulses.len() <= POINT_PULSES
-            && generator.breakers_of_stretch(&stretch, tiles, memory, nodes, factors)?
-        {
-            return Ok(self.spread_stretch(pulses.clone(), memory, work)? * pulses.len());
-        }
-        let middle = pulses.start + pulses.len() / 2;
-        let mut spread = 0;
-        for half in [pulses.start..middle, middle..pulses.end] {
-            spread += self.breakers(generator, (first, patch), half, memory, work)?;
-        }
-        Ok(spread)
     }
 
-    /// Spreads the paths at the nodes of some pulses of the block, and what multiplies their amplitudes.
+    /// Spreads the paths at the nodes of some emissions, and what multiplies their amplitudes.
     fn spread_stretch(
         &self,
         pulses: Range<usize>,
@@ -382,79 +442,12 @@ impl BlockEcho {
         Ok(part.found().spread)
     }
 
-    /// Spreads what is found for a pulse of the block alone, breaking waves and rain; says how many paths.
-    fn spread_exact(
-        &self,
-        pulse: usize,
-        memory: &mut Workspace,
-        work: &mut BlockWork,
-    ) -> Result<usize, PulseError> {
-        let BlockWork { nodes, frame, part, grids, .. } = work;
-        let paths = &nodes[0];
-        if paths.is_empty() {
-            memory.costs.lap(Stage::Fill);
-            return Ok(0);
-        }
-        self.synth.fill_part(&[Node { pulse: 0, paths }], frame, pulse..pulse + 1, part)?;
-        check(part.found())?;
-        memory.costs.lap(Stage::Fill);
-        self.synth.spread_part(part, grids);
-        memory.costs.lap(Stage::Spread);
-        Ok(part.found().spread)
-    }
-
-    /// Mean Doppler of every pair, weighted by received power: of the sea's sample, and of targets and ships
-    /// at [`of_points`] (of all of them where the window receives nothing).
-    fn mean_doppler(
-        &self,
-        generator: &PathGenerator,
-        (first, windows_s): (u64, &[f64]),
-        memory: &mut Workspace,
-        samples: &[Sample],
-        points: &mut [ScattererPaths],
-        mean_hz: &mut Vec<f64>,
-    ) -> Result<(), PulseError> {
-        let of_pulses = if generator.point_count() > 0 { &of_points(windows_s.len())[..] } else { &[] };
-        for (pulse, points) in of_pulses.iter().zip(points.iter_mut()) {
-            generator.points_of_mean(first + *pulse as u64, memory, points)?;
-        }
-        // Rain: all three pulses as the middle one.
-        let middle = windows_s.len() / 2;
-        let rain = &mut points[NODES - 1];
-        generator.rain_at(first + middle as u64, memory, rain)?;
-        let (rain, points) = (&points[NODES - 1], &points[..NODES - 1]);
-        let facets = generator.facets() as f64;
-        mean_hz.clear();
-        for pair in 0..generator.pairs().len() {
-            let sample = samples.get(pair).copied().unwrap_or_default();
-            let of_facets = sample.received_power_w * facets;
-            let of_rain =
-                |delay_s| generator.received_share(first + middle as u64, windows_s[middle], delay_s);
-            let of_rain = generator.rates(rain, pair, of_rain);
-            let mut received = (3.0 * of_rain.0, 3.0 * of_rain.1);
-            let mut all = received;
-            for (pulse, points) in of_pulses.iter().zip(points.iter()) {
-                let (index, opens_s) = (first + *pulse as u64, windows_s[*pulse]);
-                let share = |delay_s| generator.received_share(index, opens_s, delay_s);
-                for (sums, own) in [
-                    (&mut received, generator.rates(points, pair, share)),
-                    (&mut all, generator.rates(points, pair, |_| 1.0)),
-                ] {
-                    *sums = (sums.0 + own.0, sums.1 + own.1);
-                }
-            }
-            let rate = mean_rate((of_facets, sample.mean_rate), received, all);
-            mean_hz.push(self.synth.carrier_hz() * rate);
-        }
-        Ok(())
-    }
-
     /// Pulses whose panels of ships are found together, at most.
     pub fn pulses_of_panels(&self) -> usize {
         ((NODES - 1) * self.panel_pulses + 1).min(POINT_PULSES).min(self.length as usize)
     }
 
-    /// Targets and direct paths of some pulses of the block.
+    /// Targets and direct paths of some emissions, counted from the first.
     fn targets(
         &self,
         generator: &PathGenerator,
@@ -479,7 +472,7 @@ impl BlockEcho {
         Ok(())
     }
 
-    /// Panels of ships of the block; says how many paths are spread.
+    /// Panels of ships of so many emissions; says how many paths are spread.
     fn panels(
         &self,
         generator: &PathGenerator,

@@ -1,0 +1,182 @@
+//! What the pulses of a block have in common, and which of them receive which emissions.
+//!
+//! Scatterer paths are functions of the emission, grids are those of a pulse. Where a window holds more than
+//! its own emission, emission `m` is spread on the grids of every pulse `n` that receives it, with its own
+//! phase, amplitude and polarisation, `t_m - t_n` later than its delay says: whole cells and a rest, as
+//! windows are displaced from pulse to pulse.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+
+use super::Synth;
+use super::block::FAR_CELLS;
+use super::scalar::Scalar;
+use super::spread::Emitted;
+use crate::paths::block::SlowTime;
+
+/// A pulse that receives an emission.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receives {
+    /// Emission, from the first that is at hand.
+    pub emission: usize,
+    /// Pulse of the block.
+    pub pulse: usize,
+    /// From the emission of the pulse to this one, s.
+    pub offset_s: f64,
+}
+
+/// What the pulses of a block have in common, whatever its scatterer paths, and the emissions at hand.
+#[derive(Debug, Default)]
+pub struct Frame {
+    /// First sample of each pulse's window.
+    pub(super) windows_s: Vec<f64>,
+    /// `[layer][bin]`: from grid to spectrum.
+    pub(super) replicas: Vec<Vec<Complex64>>,
+    /// `[pair]`: mean Doppler `f0 r`, Hz.
+    pub(super) mean_hz: Vec<f64>,
+    /// When the emissions are.
+    pub slow: SlowTime,
+    /// Group of channels that each emission fills; empty where every one fills all.
+    pub groups: Vec<u8>,
+    /// Who receives them, emission by emission; empty where every pulse receives its own alone.
+    pub receives: Vec<Receives>,
+    /// Groups that each pulse fills, a bit for each; empty where every pulse fills all channels.
+    filled: Vec<u64>,
+}
+
+impl Clone for Frame {
+    fn clone(&self) -> Self {
+        let mut own = Self::default();
+        own.clone_from(self);
+        own
+    }
+
+    /// Without allocating where there is room: exact pulses copy a frame for each of them.
+    fn clone_from(&mut self, from: &Self) {
+        let Self { windows_s, replicas, mean_hz, slow, groups, receives, filled } = from;
+        self.windows_s.clone_from(windows_s);
+        self.slow.clone_from(slow);
+        self.groups.clone_from(groups);
+        self.receives.clone_from(receives);
+        self.filled.clone_from(filled);
+        self.replicas.clone_from(replicas);
+        self.mean_hz.clone_from(mean_hz);
+    }
+}
+
+fn bit(group: u8) -> u64 {
+    1 << (group % 64)
+}
+
+impl Frame {
+    pub(super) fn with_room(pulses: usize, pairs: usize, layers: usize) -> Self {
+        Self {
+            windows_s: Vec::with_capacity(pulses),
+            replicas: vec![Vec::new(); layers],
+            mean_hz: vec![0.0; pairs],
+            ..Self::default()
+        }
+    }
+
+    /// Pulses of the block.
+    pub fn pulses(&self) -> usize {
+        self.windows_s.len()
+    }
+
+    /// Every pulse receives its own emission alone, in all channels, at equal intervals.
+    pub(super) fn level(&mut self) {
+        self.slow.level();
+        self.groups.clear();
+        self.receives.clear();
+        self.filled.clear();
+    }
+
+    /// Pulses fill channels of these groups; none: all.
+    pub fn fill_own(&mut self, groups: &[u8]) {
+        self.filled.clear();
+        self.filled.extend(groups.iter().map(|group| bit(*group)));
+    }
+
+    /// And those of the emissions at hand that they receive.
+    pub fn fill_received(&mut self) {
+        for Receives { emission, pulse, .. } in &self.receives {
+            if let (Some(own), Some(group)) = (self.filled.get_mut(*pulse), self.groups.get(*emission)) {
+                *own |= bit(*group);
+            }
+        }
+    }
+
+    /// Whether a pulse fills channels of a group.
+    pub(super) fn fills(&self, pulse: usize, group: u8) -> bool {
+        self.filled.get(pulse).is_none_or(|own| own & bit(group) != 0)
+    }
+
+    /// Who receives some of the emissions.
+    fn received(&self, emissions: Range<usize>) -> impl ExactSizeIterator<Item = Receives> {
+        let at = |emission: usize| self.receives.partition_point(|own| own.emission < emission);
+        let alone = self.receives.is_empty();
+        let range = if alone { emissions } else { at(emissions.start)..at(emissions.end) };
+        range.map(move |n| match self.receives.get(n) {
+            Some(own) if !alone => *own,
+            _ => Receives { emission: n, pulse: n, offset_s: 0.0 },
+        })
+    }
+}
+
+impl<T: Scalar> Synth<T> {
+    /// Where and when some of the emissions at hand are spread, `time` (by their number among these) from the
+    /// instants from which phases and amplitudes count: those of a group together, and of these those that
+    /// are received as many pulses later, so that neighbours go to grids of their own. Returns the start of a
+    /// window after its emission that all places count from, s.
+    pub(super) fn fill_emitted(
+        &self,
+        frame: &Frame,
+        emissions: Range<usize>,
+        time: impl Fn(usize) -> [f64; 2],
+        emitted: &mut Vec<Emitted<T>>,
+    ) -> f64 {
+        emitted.clear();
+        let opens_s = |own: &Receives| frame.windows_s.get(own.pulse).map(|opens_s| opens_s - own.offset_s);
+        let received = frame.received(emissions.clone());
+        let middle = received.len() / 2;
+        let reference_s = received.skip(middle).find_map(|own| opens_s(&own)).unwrap_or(0.0);
+        let uneven = !frame.slow.uneven().is_empty();
+        emitted.extend(frame.received(emissions.clone()).filter_map(|own| {
+            let cells = (reference_s - opens_s(&own)?) * self.cells_per_s;
+            let cells = cells.clamp(-FAR_CELLS, FAR_CELLS);
+            let whole = cells.round();
+            let shift = (whole as i32, T::round_from(cells - whole));
+            let row = own.emission - emissions.start;
+            Some(Emitted::new(shift, time(row), (row, own.pulse), uneven))
+        }));
+        let groups = frame.groups.get(emissions.clone()).unwrap_or_default();
+        if !(groups.is_empty() && frame.receives.is_empty()) {
+            let later = |own: &Emitted<T>| own.grid.wrapping_sub(emissions.start + own.row) as isize;
+            emitted.sort_unstable_by_key(|own| (groups.get(own.row), later(own), own.row));
+        }
+        reference_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pulses_fill_what_they_receive() {
+        let mut frame = Frame { windows_s: vec![0.0; 2], ..Frame::default() };
+        assert!(frame.fills(0, 3) && frame.fills(1, u8::MAX));
+        frame.fill_own(&[0, 1]);
+        assert!(frame.fills(0, 0) && !frame.fills(0, 1) && !frame.fills(1, 0) && frame.fills(1, 1));
+        // Emission 1 is that of the first pulse, and the second receives it as well.
+        frame.groups = vec![1, 0];
+        let hears = |emission, pulse| Receives { emission, pulse, offset_s: 0.0 };
+        frame.receives = vec![hears(0, 0), hears(1, 0), hears(1, 1)];
+        frame.fill_received();
+        assert!([0, 1].iter().all(|pulse| frame.fills(*pulse, 0) && frame.fills(*pulse, 1)));
+        assert_eq!(frame.received(1..2).map(|own| own.pulse).collect::<Vec<_>>(), [0, 1]);
+        frame.level();
+        assert_eq!(frame.received(0..2).map(|own| own.pulse).collect::<Vec<_>>(), [0, 1]);
+    }
+}

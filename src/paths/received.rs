@@ -1,0 +1,238 @@
+//! Which emissions the windows of pulses receive, over a block and over a run.
+//!
+//! A block of pulses needs the **emissions** that any of its windows receives: mostly its own, and where
+//! echoes overlap the next window, or come several intervals late, some of before it. Delays are bounded at a
+//! few pulses of the block, widened by how fast they may change in between; what each window receives follows
+//! from its own start, as for a pulse by itself.
+
+use std::ops::Range;
+
+use super::{Emission, MANOEUVRE_MPS, PathGenerator, Workspace};
+use crate::motion::pointing::PhaseCentre;
+use crate::paths::block::{NODES, nodes_within};
+use crate::paths::hearing::Hearing;
+use crate::radar::fault::RadarError;
+use crate::radar::window::Window;
+use crate::units::SPEED_OF_LIGHT_MPS;
+
+/// Most emissions that the window of a pulse made in a block receives.
+pub const MOST_RECEIVED: u64 = 16;
+/// Most pulses in the air at once that are searched where intervals differ.
+const MOST_IN_AIR: u64 = 256;
+
+/// What pulses receive: how many intervals before or after its own an emission may be, hulls over a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct InAir {
+    /// Numbers of emissions less that of the pulse.
+    lags: Range<i64>,
+    /// Most of a pulse.
+    most: u64,
+}
+
+/// The emissions that each pulse of a block receives.
+#[derive(Clone, Debug, Default)]
+pub struct Received {
+    of_pulses: Vec<Range<u64>>,
+    emissions: Range<u64>,
+    alone: bool,
+}
+
+impl Received {
+    /// All emissions that are needed: those of the pulses where each receives nothing but its own.
+    pub fn emissions(&self) -> Range<u64> {
+        self.emissions.clone()
+    }
+
+    /// Emissions of each pulse.
+    pub fn of_pulses(&self) -> &[Range<u64>] {
+        &self.of_pulses
+    }
+
+    /// Whether each pulse receives nothing but its own emission, if at all.
+    pub fn is_alone(&self) -> bool {
+        self.alone
+    }
+
+    /// Most emissions that a pulse receives.
+    fn most(&self) -> u64 {
+        self.of_pulses.iter().map(|of| of.end - of.start).max().unwrap_or(0)
+    }
+}
+
+impl PathGenerator {
+    /// What the windows of a few dozen pulses spread over the run receive.
+    pub(super) fn find_in_air(&self) -> Result<InAir, RadarError> {
+        let (mut emission, mut found) = (Emission::default(), None::<InAir>);
+        for index in if self.pulses > 0 { Some(self.checked_pulses()) } else { None }.into_iter().flatten() {
+            self.evaluate(index, &mut emission)?;
+            let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
+            let of = self.emissions_in_window(index, &emission, &window)?;
+            // The ends of a run lack what is before and after it.
+            if !of.is_empty() {
+                let [start, end] = [of.start, of.end].map(|n| n as i64 - index as i64);
+                let own = found.get_or_insert(InAir { lags: start..end, most: 0 });
+                own.lags = own.lags.start.min(start)..own.lags.end.max(end);
+                own.most = own.most.max(of.end - of.start);
+            }
+        }
+        Ok(found.unwrap_or(InAir { lags: 0..1, most: 1 }))
+    }
+
+    /// Whether every pulse receives nothing but its own emission, at a few dozen instants of the run.
+    pub fn receives_itself_alone(&self) -> bool {
+        self.in_air.lags == (0..1)
+    }
+
+    /// Most emissions that a window receives, at a few dozen instants of the run.
+    pub fn emissions_received(&self) -> u64 {
+        self.in_air.most
+    }
+
+    /// Emissions that a block needs beyond as many as it has pulses; `None` where windows receive more than
+    /// [`MOST_RECEIVED`].
+    pub fn overlap_pulses(&self) -> Option<u64> {
+        let InAir { lags, most } = &self.in_air;
+        // One more where what is in the air changes from pulse to pulse.
+        let changes = lags.end - lags.start > *most as i64;
+        (*most <= MOST_RECEIVED).then(|| most.saturating_sub(1) + u64::from(changes))
+    }
+
+    /// Finds what the pulses of a block receive, whose windows start so late after their emissions; `false`
+    /// where it is more than blocks can have, or more than the run showed.
+    ///
+    /// # Errors
+    /// A track that does not cover the block.
+    pub fn received(
+        &self,
+        first: u64,
+        windows_s: &[f64],
+        workspace: &mut Workspace,
+        out: &mut Received,
+    ) -> Result<bool, RadarError> {
+        let (at, count) = nodes_within(windows_s.len());
+        let (mut spans, mut fastest_mps) = ([None; NODES], 0f64);
+        out.of_pulses.clear();
+        out.emissions = first..first + windows_s.len() as u64;
+        out.alone = self.receives_itself_alone();
+        for (span, place) in spans.iter_mut().zip(&at[..count]) {
+            let index = first + *place as u64;
+            self.evaluate(index, &mut workspace.own)?;
+            let window = Window::new(&self.radar, windows_s[*place], self.pulse_length_s);
+            *span = self.delay_span_s(index, &workspace.own, window)?;
+            let own_mps = self.closing_mps(&workspace.own.centres);
+            let of = span.map(|span| self.emissions_within(index, span, own_mps, &window));
+            out.alone &= of.is_none_or(|of| of.is_empty() || of == (index..index + 1));
+            fastest_mps = fastest_mps.max(own_mps);
+        }
+        if self.receives_itself_alone() {
+            return Ok(out.alone);
+        }
+        for (pulse, opens_s) in windows_s.iter().enumerate() {
+            let index = first + pulse as u64;
+            let window = Window::new(&self.radar, *opens_s, self.pulse_length_s);
+            let after = at[..count].partition_point(|place| *place < pulse).min(count - 1);
+            let before = if at[after] == pulse { after } else { after.saturating_sub(1) };
+            let gap_s = |node: usize| {
+                self.radar.emissions.interval_s(first + at[node] as u64, index).abs() * fastest_mps
+                    / SPEED_OF_LIGHT_MPS
+            };
+            let within = match (spans[before], spans[after]) {
+                (Some((a, b)), Some((c, d))) => {
+                    let drift_s = gap_s(before).min(gap_s(after));
+                    Some((a.min(c) - drift_s, b.max(d) + drift_s))
+                }
+                (one, other) => one.or(other),
+            };
+            let of = within.map(|span| self.emissions_within(index, span, fastest_mps, &window));
+            out.of_pulses.push(of.unwrap_or(index..index));
+        }
+        let is_own = |(own, of): (u64, &Range<u64>)| of.is_empty() || *of == (own..own + 1);
+        out.alone = (first..).zip(&out.of_pulses).all(is_own);
+        if !out.alone {
+            let held = out.of_pulses.iter().filter(|of| !of.is_empty());
+            let hull = held.cloned().reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
+            out.emissions = hull.unwrap_or(first..first);
+        }
+        Ok(out.most() <= MOST_RECEIVED)
+    }
+
+    /// From the emission of a pulse to another emission, s.
+    pub fn offset_s(&self, index: u64, emitted: u64) -> f64 {
+        self.radar.emissions.interval_s(index, emitted)
+    }
+
+    /// What windows receive of an emission: those of the pulses that any pulse of the run receives so late,
+    /// all open as late as its own.
+    pub(crate) fn hearing(&self, emission: u64) -> Result<Hearing, RadarError> {
+        let window = Window::new(&self.radar, self.window_start_of(emission)?, self.pulse_length_s);
+        let InAir { lags, most } = &self.in_air;
+        let mut offsets_s = Vec::new();
+        if !self.receives_itself_alone() && *most <= MOST_RECEIVED {
+            let pulses = lags.clone().filter_map(|lag| emission.checked_add_signed(-lag));
+            let pulses = pulses.filter(|pulse| *pulse < self.pulses);
+            offsets_s.extend(pulses.map(|pulse| self.radar.emissions.interval_s(pulse, emission)));
+        }
+        Ok(Hearing { window, offsets_s })
+    }
+
+    /// The window of a pulse where it is the only one to receive its emission, else one that holds all.
+    pub(super) fn window_or_all(&self, index: u64) -> Result<Window, RadarError> {
+        if !self.receives_itself_alone() {
+            return Ok(Window::UNBOUNDED);
+        }
+        Ok(Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s))
+    }
+
+    /// How fast the delays of an emission may change with time, m/s.
+    pub(super) fn closing_mps(&self, centres: &[PhaseCentre]) -> f64 {
+        let fastest = |centres: &[PhaseCentre]| centres.iter().map(|c| c.velocity.norm()).fold(0.0, f64::max);
+        let (tx, rx) = centres.split_at(self.radar.transmitters.len());
+        fastest(tx) + fastest(rx) + 2.0 * self.fastest_target_mps + MANOEUVRE_MPS
+    }
+
+    /// The emissions that the window of a pulse may receive of delays between bounds, s, that change no
+    /// faster than so many m/s.
+    pub(super) fn emissions_within(
+        &self,
+        index: u64,
+        (least_s, most_s): (f64, f64),
+        closing_mps: f64,
+        window: &Window,
+    ) -> Range<u64> {
+        let earliest_s = window.open_s - window.guard_s - self.pulse_length_s - most_s;
+        let latest_s = window.close_s + window.guard_s - least_s;
+        // Twice, because the interval itself widens by what is added.
+        let change_s = 2.0 * closing_mps / SPEED_OF_LIGHT_MPS * earliest_s.abs().max(latest_s.abs());
+        let first = self.first_emission(index, earliest_s - change_s);
+        let after = self.first_emission(index, latest_s + change_s);
+        first..after
+    }
+
+    /// Share of the echo of a pulse with such a delay that windows receive, of those that open `opens_s`
+    /// after their emission: 0 to 1.
+    pub fn received_share(&self, index: u64, opens_s: f64, delay_s: f64) -> f64 {
+        let window_length_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
+        let begins_s = delay_s - opens_s;
+        let received_s = |later_s: f64| {
+            let begins_s = begins_s - later_s;
+            let own_s = self.pulse_length_s.min(window_length_s - begins_s) - (-begins_s).max(0.0);
+            own_s.max(0.0)
+        };
+        // Where pulses are in the air a later window receives it, or an earlier one, or two a part each.
+        let emissions = &self.radar.emissions;
+        let interval_s = emissions.interval_s(0, 1);
+        let sum_s: f64 = if emissions.is_uniform() && interval_s > 0.0 {
+            let [first, last] = [begins_s - window_length_s, begins_s + self.pulse_length_s]
+                .map(|end_s| (end_s / interval_s).floor());
+            let last = last.min(first + MOST_IN_AIR as f64);
+            (first as i64..=last as i64).map(|n| received_s(n as f64 * interval_s)).sum()
+        } else {
+            let later = (1..=MOST_IN_AIR).map(|n| emissions.interval_s(index, index.saturating_add(n)));
+            let later = later.take_while(|later_s| *later_s <= begins_s + self.pulse_length_s);
+            let before = (1..=MOST_IN_AIR.min(index)).map(|n| -emissions.interval_s(index - n, index));
+            let before = before.take_while(|later_s| begins_s - *later_s <= window_length_s);
+            later.chain(before).map(received_s).fold(received_s(0.0), |sum, own| sum + own)
+        };
+        (sum_s / self.pulse_length_s).min(1.0)
+    }
+}
