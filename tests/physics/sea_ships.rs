@@ -210,7 +210,7 @@ fn facets_side_by_side_get_it_too() {
     let realised = realise(sea, scene.seed).unwrap();
     let short_waves = fleet::short_waves(&scene.ships, 1.0, 60.0).unwrap();
     let sight = Sight { carrier_hz: 1.3e9, seed: 1 };
-    let water = WaterScattering::new(sea, &realised.wind, realised.spectrum.into(), &[], sight)
+    let water = WaterScattering::new(sea, &realised.wind, realised.spectrum, &[], sight)
         .unwrap()
         .with_short_waves(short_waves);
     let mut poses = Vec::new();
