@@ -56,6 +56,11 @@ const NEIGHBOURS: usize = 2;
 const LIGHTEST_TAIL: f64 = 0.2;
 /// Heavier tails than this mean that too few pulses were made to know.
 const HEAVIEST_TAIL: f64 = 1.5;
+/// Pulses of a tail, at least; and the heaviest that fewer than ten times as many can show, since the others,
+/// some of them at nodes, are then no part of it. Such few are made of a thousand facets and more, of which
+/// none decides alone.
+const LEAST_TAIL: usize = 4;
+const OF_FEW: f64 = 0.5;
 
 /// The settings of a scene, tried where that costs little.
 pub(crate) fn plan(
@@ -257,13 +262,14 @@ fn worst_of_run(errors: &[f64], of: Option<u64>) -> f64 {
     let worst = errors.iter().copied().max_by(f64::total_cmp).unwrap_or(0.0);
     let mut above: Vec<f64> = (0..errors.len()).filter_map(|n| above_neighbours(errors, n)).collect();
     above.sort_by(|a, b| b.total_cmp(a));
-    let tail = (above.len() / 10).max(4);
+    let tail = (above.len() / 10).max(LEAST_TAIL);
+    let heaviest = if above.len() < 10 * LEAST_TAIL { OF_FEW } else { HEAVIEST_TAIL };
     let (Some(pulses), Some(&least)) = (of, above.get(tail)) else { return worst };
     if least <= 0.0 || !worst.is_finite() {
         return worst;
     }
     let index = above[..tail].iter().map(|above| (above / least).ln()).sum::<f64>() / tail as f64;
-    worst * (pulses as f64 / errors.len() as f64).max(1.0).powf(index.clamp(LIGHTEST_TAIL, HEAVIEST_TAIL))
+    worst * (pulses as f64 / errors.len() as f64).max(1.0).powf(index.clamp(LIGHTEST_TAIL, heaviest))
 }
 
 /// An error over the largest of its neighbours; `None` where these are 0.
@@ -287,6 +293,11 @@ mod tests {
         assert_eq!(most, 20.0);
         let found = worst_of_run(&errors, Some(20_000)) / most;
         assert!((6.0..17.0).contains(&found), "{found}");
+        // Of a few, some of them at nodes, the smaller ones are no part of a tail.
+        let few =
+            [-63.0, -90.0, -64.0, -95.0, -61.0, -66.0, -88.0, -62.0].map(|db: f64| 10f64.powf(0.1 * db));
+        let found_db = 10.0 * worst_of_run(&few, Some(500)).log10();
+        assert!((-61.0..-51.0).contains(&found_db), "{found_db}");
         // All alike, none, nothing.
         assert_eq!(worst_of_run(&[2.0; 50], Some(1000)), 2.0 * 20f64.powf(LIGHTEST_TAIL));
         assert_eq!((worst_of_run(&[0.0; 50], Some(1000)), worst_of_run(&[], Some(9))), (0.0, 0.0));

@@ -24,7 +24,7 @@ use num_complex::Complex64;
 
 use super::doppler::{self, Correction, Doppler};
 pub use super::frame::{Frame, Receives};
-use super::grid::Lined;
+use super::grid::{FAR_CELLS, Lined};
 use super::scalar::Scalar;
 use super::spread::{DelayPolynomials, Emitted, TICKS};
 use super::{Settings, Synth, SynthError};
@@ -38,8 +38,6 @@ const FEW_PULSES: usize = 64;
 pub const MAX_NODES: usize = 4;
 /// Cells that a scatterer path may move within half a block.
 pub const MAX_DRIFT_CELLS: f64 = 1e6;
-/// Whole cells are held within this, so that sums of two do not overflow; no window is as long.
-pub(super) const FAR_CELLS: f64 = 5e8;
 
 /// Scatterer paths of the block at one of its pulses.
 #[derive(Clone, Copy, Debug)]

@@ -10,7 +10,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use super::Synth;
-use super::block::FAR_CELLS;
+use super::grid::FAR_CELLS;
 use super::scalar::Scalar;
 use super::spread::Emitted;
 use crate::paths::block::SlowTime;

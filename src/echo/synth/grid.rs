@@ -12,6 +12,9 @@ use num_complex::Complex;
 
 use super::scalar::Scalar;
 
+/// Whole cells are held within this, so that sums of two do not overflow; no window is as long.
+pub(super) const FAR_CELLS: f64 = 5e8;
+
 /// Bytes of a cache line.
 const LINE: usize = 64;
 

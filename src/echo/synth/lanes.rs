@@ -15,7 +15,9 @@
 
 use std::ops::Range;
 
-use super::block::{FAR_CELLS, Frame, MAX_NODES, Through};
+use super::block::{MAX_NODES, Through};
+use super::frame::Frame;
+use super::grid::FAR_CELLS;
 use super::grid::{Grids, Lined};
 use super::spread::{DelayPolynomials, Emitted, Job, TICKS};
 use super::{Synth, of_group};

@@ -13,7 +13,8 @@
 
 use std::ops::Range;
 
-use super::block::{FAR_CELLS, Frame};
+use super::frame::Frame;
+use super::grid::FAR_CELLS;
 use super::grid::{Grids, Lined};
 use super::lanes::{LaneWork, Rows, TOGETHER, intervals_of};
 use super::scalar::Scalar;
