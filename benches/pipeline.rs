@@ -28,14 +28,14 @@ fn make(criterion: &mut Criterion) {
     let run = calibration();
     let stream = build::stream(&run, 0..run.scene.pulses).expect("the calibration scene builds");
     let factory = stream.factory();
-    let (mut slot, mut work) = (factory.slot(), factory.workspace());
+    let (mut slot, mut worker) = (factory.slot(), factory.worker());
     let mut group = criterion.benchmark_group("calibration");
     group.throughput(Throughput::Elements(1));
     let mut index = 0;
     group.bench_function("pulse, one thread", |bencher| {
         bencher.iter(|| {
             index = (index + 37) % run.scene.pulses;
-            factory.make(index, black_box(&mut slot), &mut work).expect("a pulse of the run");
+            worker.make(index, black_box(&mut slot)).expect("a pulse of the run");
         });
     });
     group.finish();

@@ -313,11 +313,11 @@ fn make<T: Send>(
     let groups: Vec<&[u64]> = pulses.chunk_by(|a, b| a / block == b / block).collect();
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || {
-        let (mut slot, mut work) = (factory.slot(), factory.workspace());
+        let (mut slot, mut worker) = (factory.slot(), factory.worker());
         let mut made = Vec::new();
         while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed)) {
             for &index in *group {
-                factory.make(index, &mut slot, &mut work)?;
+                worker.make(index, &mut slot)?;
                 let kept = match &slot.samples {
                     Samples::Cf32(samples) => keep(samples),
                     // Not made here: runs are without converter.

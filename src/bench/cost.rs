@@ -14,11 +14,10 @@ use rayon::prelude::*;
 use crate::fidelity::budget::Plan;
 use crate::fidelity::cost::CostTable;
 use crate::fidelity::echo_settings::EchoSettings;
-use crate::pipeline::block::BlockEcho;
 use crate::pipeline::build::PulseStream;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::fault::PulseError;
-use crate::pipeline::stages::{Echo, Mark, PulseFactory, Workspace};
+use crate::pipeline::stages::Worker;
 use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 
@@ -37,26 +36,6 @@ pub struct Calibrated {
     pub factor: f64,
     /// Seconds of one worker for a pulse, calibrated; records go with receiving, filling with spreading.
     pub stages_s: [(Stage, f64); COSTED.len()],
-}
-
-impl PulseFactory {
-    /// The same with other nodes; `None` where pulses are made one by one.
-    fn with_nodes(&self, chosen: &EchoSettings) -> Option<Self> {
-        let Echo::Fast(echo) = &self.echo else { return None };
-        Some(Self {
-            generator: self.generator.clone(),
-            echo: Echo::Fast(Box::new(BlockEcho::like(echo, chosen)?)),
-            sample_rate_hz: self.sample_rate_hz,
-            receiver: self.receiver.clone(),
-            waveform: self.waveform.clone(),
-            layout: self.layout,
-            ships: self.ships.clone(),
-            plan: self.plan,
-            clocks: self.clocks.clone(),
-            generators: self.generators.clone(),
-            mark: Mark::default(),
-        })
-    }
 }
 
 impl PulseStream {
@@ -89,11 +68,11 @@ impl PulseStream {
             Some(other) => (other, plan.size.work(&chosen, true)),
             None => (self.factory(), plan.work),
         };
-        let mut hands: Vec<(Pulse, Workspace)> =
-            (0..self.threads()).map(|_| (factory.slot(), factory.workspace())).collect();
+        let mut hands: Vec<(Pulse, Worker<'_>)> =
+            (0..self.threads()).map(|_| (factory.slot(), factory.worker())).collect();
         let block = factory.block_pulses();
         let blocks = (self.schedule().count / block).max(1);
-        let consecutive = factory.generator.hold_pulses().is_some();
+        let consecutive = factory.generator().hold_pulses().is_some();
         let workers = hands.len() as u64;
         let counted = (ROUNDS as u64 * workers).max(1);
         let turns = AtomicU64::new(0);
@@ -101,7 +80,7 @@ impl PulseStream {
             hands
                 .par_iter_mut()
                 .with_max_len(1)
-                .map(|(slot, work)| {
+                .map(|(slot, worker)| {
                     let mut spent = Vec::with_capacity(ROUNDS);
                     for round in 0..=ROUNDS {
                         let turn = turns.fetch_add(1, Ordering::Relaxed);
@@ -111,14 +90,13 @@ impl PulseStream {
                         }
                         let spread = (2 * turn.saturating_sub(workers) + 1) * blocks / (2 * counted);
                         let at = if consecutive { turn } else { spread } % blocks;
-                        // The block at hand is made again, too.
-                        work.start_anew();
+                        worker.count_anew();
                         let first = self.schedule().first + at * block;
                         for index in first..(first + block).min(self.schedule().end()) {
-                            factory.make(index, slot, work)?;
+                            worker.make(index, slot)?;
                         }
                         if round > 0 {
-                            spent.push(COSTED.map(|stage| per_pulse(work.costs(), stage)));
+                            spent.push(COSTED.map(|stage| per_pulse(worker.costs(), stage)));
                         }
                     }
                     Ok(spent)

@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::pipeline::build::{PulseStream, sum_of};
 use crate::pipeline::fault::PulseError;
 use crate::pipeline::plausible::ConverterReport;
+use crate::pipeline::stages::Worker;
 use crate::scene::Radar;
 
 /// How long the trial lasts.
@@ -66,23 +67,23 @@ impl PulseStream {
         let factory = self.factory();
         let schedule = self.schedule();
         let threads = self.threads();
-        let mut hands: Vec<_> = (0..threads).map(|_| (factory.slot(), factory.workspace())).collect();
+        let mut hands: Vec<_> = (0..threads).map(|_| (factory.slot(), factory.worker())).collect();
         // Whole blocks, and each worker walks over the whole run in strides that visit every part of it.
         let block = factory.block_pulses();
         let blocks = schedule.count.div_ceil(block).max(1);
         let stride = (blocks / 64).max(1);
         let pulses_of = |step: u64| {
-            let first = schedule.first + step % blocks * block;
-            first - first % block..(first - first % block + block).min(schedule.end())
+            let segment = factory.segment_of(schedule.first + step % blocks * block);
+            segment.start..segment.end.min(schedule.end())
         };
         // Pulses made and the time that took, each worker from its own step on: a block at least.
         let mut make_for = |least: Duration, step_of: fn(u64) -> u64| {
             let begun = Instant::now();
-            let of_worker = |(hand, (slot, work)): (usize, &mut (_, _))| {
+            let of_worker = |(hand, (slot, worker)): (usize, &mut (_, Worker<'_>))| {
                 let (mut made, mut step) = (0, step_of(hand as u64));
                 while made == 0 || begun.elapsed() < least {
                     for index in pulses_of(step.wrapping_mul(stride) + hand as u64) {
-                        factory.make(index, slot, work)?;
+                        worker.make(index, slot)?;
                         made += 1;
                     }
                     step += threads as u64;
@@ -101,7 +102,7 @@ impl PulseStream {
             _ => make_for(trial, |hand| 1 + hand)?,
         };
         let pulses_per_s = made as f64 / lasted.as_secs_f64();
-        let (mut slot, mut work) = (factory.slot(), factory.workspace());
+        let (mut slot, mut worker) = (factory.slot(), factory.worker());
         let mut targets_in_window = 0;
         // A pulse of a sea may take seconds: it is not made for targets that are none.
         let looked_at = if factory.layout().targets == 0 { 0 } else { 3 };
@@ -109,7 +110,7 @@ impl PulseStream {
             .into_iter()
             .take(looked_at)
         {
-            factory.make(index, &mut slot, &mut work)?;
+            worker.make(index, &mut slot)?;
             targets_in_window = targets_in_window.max(factory.targets_in_window(&slot));
         }
         let (pulse_bytes, slots) = (factory.layout().slot_bytes(), self.slots());
@@ -124,7 +125,7 @@ impl PulseStream {
             recording_bytes: schedule.count.saturating_mul(pulse_bytes as u64),
             bytes_per_s: prf_hz * pulse_bytes as f64,
             targets_in_window,
-            converter: ConverterReport::of(radar, &sum_of(hands.iter().map(|(_, work)| work.levels()))),
+            converter: ConverterReport::of(radar, &sum_of(hands.iter().map(|(_, worker)| worker.levels()))),
             trial_pulses: made,
             pulses_per_s,
             real_time_factor: pulses_per_s / prf_hz,

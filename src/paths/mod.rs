@@ -348,15 +348,16 @@ impl PathGenerator {
         Self { clocks, ..self }
     }
 
-    /// Other tracks, in the order of the platforms, where those that it was prepared with were a nominal
-    /// trajectory.
-    pub fn set_tracks(&mut self, tracks: Vec<PlatformTracks>) {
-        self.tracks = tracks;
+    /// The same on other tracks, in the order of the platforms, where those that it was prepared with were a
+    /// nominal trajectory.
+    pub fn on_tracks(&self, tracks: Vec<PlatformTracks>) -> Self {
+        let mut flown = Self { tracks, ..self.clone() };
         // What crests and land hide was found from the others.
-        self.heaves = Arc::new(self.lifted_by(self.sea.as_deref()));
-        self.hills = self.hidden_by(self.sea.as_deref()).map(Arc::new);
-        self.ships = self.ships.renewed();
-        self.rain = self.rain.as_ref().map(RainPlan::renewed);
+        flown.heaves = Arc::new(flown.lifted_by(flown.sea.as_deref()));
+        flown.hills = flown.hidden_by(flown.sea.as_deref()).map(Arc::new);
+        flown.ships = flown.ships.renewed();
+        flown.rain = flown.rain.as_ref().map(RainPlan::renewed);
+        flown
     }
 
     /// The pair of each channel.

@@ -50,7 +50,7 @@ use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::outputs::{self, crsd_plan, header, open_all, placed, same_kind};
 use super::plausible;
 use super::prepared::{Files, Prepared};
-use super::stages::{PulseFactory, Workspace};
+use super::stages::{PulseFactory, Worker};
 use super::tracks::set_tracks;
 use super::workers::{generate, warm_up, yield_to_pacer};
 use crate::pipeline::fault::PulseError;
@@ -449,7 +449,7 @@ impl PulseStream {
         tap: Option<&mut (dyn FnMut(&Pulse) + Send)>,
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self {
-            mut factory,
+            factory,
             settings,
             schedule,
             header,
@@ -474,20 +474,19 @@ impl PulseStream {
         if let Some(view) = view {
             stream.view(view);
         }
-        let mut workspaces: Vec<Workspace> =
-            (0..pool.current_num_threads()).map(|_| factory.workspace()).collect();
+        let mut workers: Vec<Worker<'_>> =
+            (0..pool.current_num_threads()).map(|_| factory.worker()).collect();
         let begun = Instant::now();
-        pool.install(|| warm_up(&factory, &range, &mut workspaces));
+        pool.install(|| warm_up(&factory, &range, &mut workers));
         let nav = match live {
             Some(live) => {
                 live.nav.took(begun.elapsed());
-                factory.generator.set_tracks(live.tracks);
+                factory.fly(live.tracks);
                 live.nav.await_begin(first, stop)?;
                 Some(live.nav)
             }
             None => None,
         };
-        let factory = factory;
         let opened = open_all(&sinks, &header, crsd.as_ref())?;
         for (place, (settings, sink)) in sinks.iter().zip(opened).enumerate() {
             let name = match sinks.iter().take(place).filter(|s| same_kind(&s.kind, &settings.kind)).count() {
@@ -515,11 +514,11 @@ impl PulseStream {
         }
         let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.
-            pool.install(|| generate(source, &factory, nav.as_deref(), range, &mut workspaces, commands))
+            pool.install(|| generate(source, &factory, nav.as_deref(), range, &mut workers, commands))
         });
         let mut costs = Costs::default();
-        workspaces.iter().for_each(|work| costs.add(work.costs()));
-        let _ = levels.set(sum_of(workspaces.iter().map(Workspace::levels)));
+        workers.iter().for_each(|worker| costs.add(worker.costs()));
+        let _ = levels.set(sum_of(workers.iter().map(Worker::levels)));
         Ok((placed(outcome, asked, policy), costs))
     }
 }

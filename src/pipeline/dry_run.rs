@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use num_complex::Complex32;
 
-use super::stages::{Echo, Mark, PulseFactory};
+use super::stages::{self, PulseFactory};
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
 use crate::fidelity::budget::{EXACT_DB, Plan};
@@ -29,10 +29,8 @@ use crate::fidelity::probe::spread_over;
 use crate::paths::PathGenerator;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::fault::PulseError;
-use crate::pipeline::hull_scatterers::ShipTracks;
 use crate::pipeline::power::{least_mean, mean_of, power, powers};
-use crate::pulse::{Layout, Samples};
-use crate::radar::receiver::Receiver;
+use crate::pulse::Samples;
 use crate::radar::waveform::Waveform;
 use crate::scene::{Radar, Scene};
 
@@ -190,26 +188,13 @@ impl<'a> Trial<'a> {
     /// The pulses by a plan.
     fn samples(&self, plan: &Plan) -> Result<Option<Vec<Vec<Complex32>>>, BuildErrors> {
         let (scene, radar) = (self.scene, &self.radar);
-        let echo = Echo::of(Some(plan), radar, scene.pulses, self.generator, self.waveform)?;
-        let receiver = Receiver::new(radar, scene.seed, echo.fft_len(), radar.channels.len());
-        let layout = radar.layout(scene.platforms.len(), scene.targets.len());
-        let factory = PulseFactory {
-            generator: self.generator.clone(),
-            echo,
-            sample_rate_hz: radar.sample_rate_hz,
-            receiver,
-            waveform: Arc::clone(self.waveform),
-            layout: Layout { ships: scene.ships.len(), clocks: 0, ..layout },
-            ships: ShipTracks::of(scene),
-            plan: None,
-            clocks: None,
-            generators: None,
-            mark: Mark::default(),
-        };
-        let (mut slot, mut work) = (factory.slot(), factory.workspace());
+        let echo = stages::engine(Some(plan), radar, scene.pulses, self.generator, self.waveform)?;
+        let (generator, waveform) = (self.generator.clone(), Arc::clone(self.waveform));
+        let factory = PulseFactory::new((echo, None), (scene, radar), generator, waveform);
+        let (mut slot, mut worker) = (factory.slot(), factory.worker());
         let mut samples = Vec::with_capacity(self.chosen.pulses.len());
         for &index in &self.chosen.pulses {
-            match factory.make(index, &mut slot, &mut work) {
+            match worker.make(index, &mut slot) {
                 Ok(()) => {}
                 Err(PulseError::Unplaced { .. }) => return Ok(None),
                 Err(error) => return Err(error.into()),

@@ -5,14 +5,11 @@ use std::sync::Arc;
 use super::dry_run;
 use super::fault::BuildErrors;
 use super::prepared::Files;
-use super::stages::{Echo, Mark, PulseFactory};
+use super::stages::{self, PulseFactory};
 use crate::echo::Fidelity;
 use crate::motion::PlatformTracks;
 use crate::paths::PathGenerator;
-use crate::pipeline::hull_scatterers::ShipTracks;
-use crate::pulse::Layout;
 use crate::radar::clock::RunningClocks;
-use crate::radar::receiver::Receiver;
 use crate::scene::clock::Clocks;
 use crate::scene::{Scene, Sea};
 
@@ -50,7 +47,6 @@ pub(super) fn with_files(
     let scene = files.laden(scene)?;
     let waveform = Arc::clone(files.waveform(scene)?);
     let radar = &scene.radar;
-    let sample_rate_hz = radar.sample_rate_hz;
     let drawn = |sea: &Sea| files.sea(sea, scene.seed).cloned();
     let generator = PathGenerator::on(scene, waveform.duration_s(), tracks, &drawn)?;
     let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
@@ -61,26 +57,6 @@ pub(super) fn with_files(
         Fidelity::Reference => None,
         Fidelity::Fast(asked) => Some(dry_run::plan(scene, &generator, &waveform, asked)?),
     };
-    let echo = Echo::of(plan.as_ref(), radar, scene.pulses, &generator, &waveform)?;
-    let receiver = Receiver::new(&scene.radar, scene.seed, echo.fft_len(), scene.radar.channels.len());
-    let ships = ShipTracks::of(scene);
-    let layout = Layout {
-        ships: scene.ships.len(),
-        clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()),
-        ..scene.radar.layout(scene.platforms.len(), scene.targets.len())
-    };
-    let generators = None;
-    Ok(PulseFactory {
-        generator,
-        echo,
-        sample_rate_hz,
-        receiver,
-        waveform,
-        layout,
-        ships,
-        plan,
-        clocks,
-        generators,
-        mark: Mark::default(),
-    })
+    let echo = stages::engine(plan.as_ref(), radar, scene.pulses, &generator, &waveform)?;
+    Ok(PulseFactory::new((echo, plan), (scene, radar), generator, waveform).with_clocks(clocks))
 }

@@ -206,7 +206,7 @@ impl From<PulseError> for BuildError {
         match error {
             PulseError::Radar(error) => error.into(),
             PulseError::Echo(error) => error.into(),
-            PulseError::Unplaced { .. } | PulseError::Workspace => Self::Pulse(error),
+            PulseError::Unplaced { .. } => Self::Pulse(error),
         }
     }
 }
@@ -251,11 +251,6 @@ pub enum PulseError {
         /// How many.
         unplaced: usize,
     },
-    /// Memory that another factory gave.
-    #[error(
-        "the workspace is another factory's; allowed: one from `workspace()` of the factory that makes the pulse"
-    )]
-    Workspace,
 }
 
 /// Why a run cannot use its live navigation.

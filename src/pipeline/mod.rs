@@ -15,9 +15,11 @@ pub mod control;
 #[doc(hidden)]
 pub mod control_lines;
 mod dry_run;
+mod engine;
 pub mod factory;
 pub mod focus;
 pub mod fault;
+mod kit;
 #[doc(hidden)]
 pub mod live;
 #[doc(hidden)]

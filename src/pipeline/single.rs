@@ -1,16 +1,17 @@
 //! Pulses one by one, in f64: exact scatterer paths, spread and transformed without a digit lost, for budgets
 //! that blocks cannot keep.
 
-use num_complex::Complex64;
+use std::ops::Range;
 
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockPaths, Node};
 use crate::echo::synth::{Grids, Synth, SynthScratch};
+use crate::paths::PathGenerator;
 use crate::paths::list::ScattererPaths;
-use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::block::check;
+use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, Slots, full_list};
 use crate::pipeline::fault::PulseError;
-use crate::pulse::Pulse;
+use crate::pipeline::kit::Kit;
 use crate::pulse::costs::Stage;
 
 /// Makes echoes pulse by pulse. Immutable, shared by all threads.
@@ -18,8 +19,8 @@ pub(crate) struct SingleEcho {
     synth: Synth<f64>,
 }
 
-/// Memory of one thread.
-pub(crate) struct SingleWork {
+struct SingleWorker<'f> {
+    synth: &'f Synth<f64>,
     paths: ScattererPaths,
     block: BlockPaths<f64>,
     grids: Grids<f64>,
@@ -31,51 +32,55 @@ impl SingleEcho {
     pub fn new(synth: Synth<f64>) -> Self {
         Self { synth }
     }
+}
 
-    pub fn fft_len(&self) -> usize {
+impl EchoEngine for SingleEcho {
+    fn fft_len(&self) -> usize {
         self.synth.fft_len()
     }
 
-    pub fn work(&self, paths: ScattererPaths) -> SingleWork {
-        SingleWork {
-            paths,
-            block: self.synth.block(),
-            grids: self.synth.grids(),
-            scratch: self.synth.scratch(),
-            bands: self.synth.settings().band_hz.map(|_| self.synth.bands()),
-        }
+    fn needs(&self) -> Needs {
+        Needs { cell_bytes: 16, lists: 1, panel_pulses: 1 }
     }
 
-    /// Fills the record of a pulse and the spectrum of its echo.
-    ///
-    /// # Errors
-    /// A track that ends early, or paths that cannot be placed on the grid.
-    pub fn make(
-        &self,
-        generator: &PathGenerator,
-        index: u64,
-        pulse: &mut Pulse,
-        memory: &mut Workspace,
-        work: &mut SingleWork,
-        spectrum: &mut [Complex64],
-    ) -> Result<(), PulseError> {
-        let SingleWork { paths, block, grids, scratch, bands } = work;
-        generator.pulse(index, memory, paths, pulse)?;
-        if let (Some(band_hz), Some(bands)) = (self.synth.settings().band_hz, bands) {
-            let start_s = pulse.window_start_s;
-            let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
-            memory.costs.lap(Stage::Spread);
-            memory.costs.accumulated(found.spread);
-            return check(found);
+    fn worker<'f>(&'f self, paths: &PathGenerator) -> Box<dyn EchoWorker + 'f> {
+        let synth = &self.synth;
+        Box::new(SingleWorker {
+            synth,
+            paths: full_list(paths),
+            block: synth.block(),
+            grids: synth.grids(),
+            scratch: synth.scratch(),
+            bands: synth.settings().band_hz.map(|_| synth.bands()),
+        })
+    }
+}
+
+impl EchoWorker for SingleWorker<'_> {
+    fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError> {
+        let Self { synth, paths, block, grids, scratch, bands } = self;
+        for (index, pulse) in pulses.zip(slots) {
+            let Kit { paths: generator, memory, spectrum, .. } = &mut *kit;
+            generator.pulse(index, memory, paths, pulse)?;
+            let (start_s, costs) = (pulse.window_start_s, &mut memory.costs);
+            let found = if let (Some(band_hz), Some(bands)) = (synth.settings().band_hz, bands.as_mut()) {
+                let found = synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
+                costs.lap(Stage::Spread);
+                check(found)?;
+                found
+            } else {
+                synth.fill(&[Node { pulse: 0, paths }], &[start_s], block)?;
+                check(block.found())?;
+                costs.lap(Stage::Fill);
+                synth.spread(block, grids);
+                costs.lap(Stage::Spread);
+                synth.spectrum(block, grids, 0, scratch, spectrum);
+                costs.lap(Stage::Transform);
+                block.found()
+            };
+            costs.accumulated(found.spread);
+            kit.receive(pulse)?;
         }
-        self.synth.fill(&[Node { pulse: 0, paths }], &[pulse.window_start_s], block)?;
-        check(block.found())?;
-        memory.costs.lap(Stage::Fill);
-        self.synth.spread(block, grids);
-        memory.costs.lap(Stage::Spread);
-        self.synth.spectrum(block, grids, 0, scratch, spectrum);
-        memory.costs.lap(Stage::Transform);
-        memory.costs.accumulated(block.found().spread);
         Ok(())
     }
 }

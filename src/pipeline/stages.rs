@@ -4,152 +4,164 @@
 //! tracks -> generator -> paths -> echo -> spectrum -> receiver -> samples
 //! ```
 //!
-//! The echo is the reference, pulse by pulse, or the fast one, block by block
+//! Echoes are an engine's ([`super::engine`]): the reference, or the fast one in blocks or pulse by pulse
 //! ([`Fidelity`](crate::echo::Fidelity)).
 //!
 //! A pulse depends on its number alone, so any thread may make any pulse and the bits are the same.
 
 use super::fault::PulseError;
-use std::sync::Arc;
+use std::iter;
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex32;
 
-use super::block::{BlockEcho, BlockWork};
+use super::block::BlockEcho;
+use super::engine::{EchoEngine, EchoWorker, Needs, Slots, full_list};
+use super::kit::{Kit, Reception};
 use super::memory;
-use super::single::{SingleEcho, SingleWork};
+use super::single::SingleEcho;
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
 use crate::fidelity::budget::Plan;
-use crate::paths;
-use crate::paths::block::NODES;
+use crate::fidelity::echo_settings::EchoSettings;
+use crate::motion::PlatformTracks;
 use crate::paths::list::ScattererPaths;
 use crate::paths::snapshot::Snapshot;
 use crate::paths::{BeyondHorizon, PathGenerator};
 use crate::pipeline::hull_scatterers::ShipTracks;
 use crate::pulse::converter::Level;
-use crate::pulse::costs::{Costs, Stage};
+use crate::pulse::costs::Costs;
 use crate::pulse::{Layout, Pulse};
-use crate::radar::calibration::{CalibrationFault, GeneratorScratch, Generators};
-use crate::radar::clock::{ChannelClock, RunningClocks};
+use crate::radar::calibration::{CalibrationFault, Generators};
+use crate::radar::clock::RunningClocks;
 use crate::radar::fault::RadarError;
-use crate::radar::receiver::{Receiver, ReceiverScratch};
+use crate::radar::receiver::Receiver;
 use crate::radar::waveform::Waveform;
-use crate::scene::Radar;
 use crate::scene::calibration::Calibration;
+use crate::scene::{Radar, Scene};
 use crate::sea::land::Dem;
 
 /// Makes pulses. Immutable, shared by all threads.
+#[derive(Clone)]
 pub struct PulseFactory {
-    pub(crate) generator: PathGenerator,
-    pub(crate) echo: Echo,
-    pub(crate) sample_rate_hz: f64,
-    pub(crate) receiver: Receiver,
+    generator: PathGenerator,
+    /// The same on the tracks that are flown, where it was prepared on others.
+    flown: OnceLock<PathGenerator>,
+    echo: Arc<dyn EchoEngine>,
+    reception: Reception,
+    sample_rate_hz: f64,
     pub(crate) waveform: Arc<dyn Waveform>,
     pub(crate) layout: Layout,
-    pub(crate) ships: ShipTracks,
-    pub(crate) plan: Option<Plan>,
-    pub(crate) clocks: Option<Arc<RunningClocks>>,
-    pub(crate) generators: Option<Generators>,
-    /// Its workspaces bear the same mark.
-    pub(crate) mark: Mark,
+    plan: Option<Plan>,
 }
 
-/// Tells one factory from another: equal to its clones alone.
-#[derive(Clone, Default)]
-pub(crate) struct Mark(Arc<()>);
-
-impl PartialEq for Mark {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
-    }
+/// The engine of a plan for a run of so many pulses, or the reference.
+///
+/// # Errors
+/// Settings that the fast echo refuses.
+pub(crate) fn engine(
+    plan: Option<&Plan>,
+    radar: &Radar,
+    pulses: u64,
+    generator: &PathGenerator,
+    waveform: &Arc<dyn Waveform>,
+) -> Result<Arc<dyn EchoEngine>, SynthError> {
+    let of_channels = generator.channel_pairs();
+    let (carrier_hz, rate_hz, samples) = (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
+    let waveform = Arc::clone(waveform);
+    let Some(Plan { chosen, .. }) = plan else {
+        let (pairs, guard) = (of_channels.to_vec(), generator.guard_samples());
+        let echo = ReferenceEcho::with_guard(waveform, carrier_hz, rate_hz, samples, pairs, guard);
+        return Ok(Arc::new(echo));
+    };
+    Ok(match chosen.precision {
+        Precision::Double => {
+            let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
+            Arc::new(SingleEcho::new(synth))
+        }
+        Precision::Single => {
+            let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
+            let synth = synth.grouped(&generator.channel_groups());
+            Arc::new(BlockEcho::new(synth, chosen, pulses, generator.hold_pulses())?)
+        }
+    })
 }
 
-/// From scatterer paths to spectra.
-pub(crate) enum Echo {
-    Reference(ReferenceEcho),
-    Fast(Box<BlockEcho>),
-    Single(SingleEcho),
+/// Makes pulses in one thread, without allocating once it has seen the largest list of scatterer paths.
+pub struct Worker<'f> {
+    factory: &'f PulseFactory,
+    echo: Box<dyn EchoWorker + 'f>,
+    kit: Kit<'f>,
 }
 
-impl Echo {
-    /// By a plan for a run of so many pulses, or the reference.
+impl Worker<'_> {
+    /// Makes pulse `index` in a slot of the factory's layout. Pulses of a block are made at once: it takes
+    /// least to ask for them in their order.
     ///
     /// # Errors
-    /// Settings that the fast echo refuses.
-    pub fn of(
-        plan: Option<&Plan>,
-        radar: &Radar,
-        pulses: u64,
-        generator: &PathGenerator,
-        waveform: &Arc<dyn Waveform>,
-    ) -> Result<Self, SynthError> {
-        let of_channels = generator.channel_pairs();
-        let (carrier_hz, rate_hz, samples) = (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
-        let waveform = Arc::clone(waveform);
-        let Some(Plan { chosen, .. }) = plan else {
-            let (pairs, guard) = (of_channels.to_vec(), generator.guard_samples());
-            let echo = ReferenceEcho::with_guard(waveform, carrier_hz, rate_hz, samples, pairs, guard);
-            return Ok(Self::Reference(echo));
-        };
-        if chosen.precision == Precision::Double {
-            let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
-            return Ok(Self::Single(SingleEcho::new(synth)));
-        }
-        let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
-        let synth = synth.grouped(&generator.channel_groups());
-        let hold_pulses = generator.hold_pulses();
-        Ok(Self::Fast(Box::new(BlockEcho::new(synth, chosen, pulses, hold_pulses)?)))
+    /// A pulse that the run does not have. Tracks were checked to cover the run, so any other error is a
+    /// fault of the program.
+    pub fn make(&mut self, index: u64, pulse: &mut Pulse) -> Result<(), PulseError> {
+        self.make_all(index..index.saturating_add(1), &mut iter::once(pulse))
     }
 
-    pub fn fft_len(&self) -> usize {
-        match self {
-            Self::Reference(echo) => echo.fft_len(),
-            Self::Fast(echo) => echo.fft_len(),
-            Self::Single(echo) => echo.fft_len(),
-        }
+    /// Makes pulses of one segment of the engine in as many slots.
+    ///
+    /// # Errors
+    /// Those of [`Self::make`].
+    pub(crate) fn make_all(&mut self, pulses: Range<u64>, slots: Slots<'_>) -> Result<(), PulseError> {
+        self.kit.paths = self.factory.generator();
+        self.kit.memory.costs.begin();
+        self.echo.make(pulses, slots, &mut self.kit)
     }
-}
 
-/// What one thread needs to make pulses without allocating. Serves the factory that it came from.
-pub struct Workspace {
-    mark: Mark,
-    generator: paths::Workspace,
-    echo: EchoWork,
-    spectrum: Vec<Complex64>,
-    receiver: ReceiverScratch,
-    clocks: Vec<ChannelClock>,
-    generators: GeneratorScratch,
-}
-
-/// What one thread needs for its kind of [`Echo`].
-enum EchoWork {
-    Reference(ScattererPaths),
-    Fast(Box<BlockWork>),
-    Single(Box<SingleWork>),
-}
-
-impl Workspace {
     /// What its pulses have cost.
     pub fn costs(&self) -> &Costs {
-        &self.generator.costs
+        &self.kit.memory.costs
     }
 
     /// What the converter of each channel was fed with; empty without one.
     pub fn levels(&self) -> &[Level] {
-        self.receiver.levels()
+        self.kit.scratch.levels()
     }
 
-    /// Keeps the memory it has taken, but neither the block at hand nor what that has cost.
-    pub(crate) fn start_anew(&mut self) {
-        self.generator.costs = Costs::default();
-        self.receiver.reset_levels();
-        if let EchoWork::Fast(block) = &mut self.echo {
-            block.forget();
-        }
+    /// Counts costs and levels from 0.
+    pub(crate) fn count_anew(&mut self) {
+        self.kit.memory.costs = Costs::default();
+        self.kit.scratch.reset_levels();
     }
 }
 
 impl PulseFactory {
+    /// What makes the pulses of a scene by an engine and what that was planned by, for a radar much like the
+    /// scene's, by ideal clocks.
+    pub(crate) fn new(
+        (echo, plan): (Arc<dyn EchoEngine>, Option<Plan>),
+        (scene, radar): (&Scene, &Radar),
+        generator: PathGenerator,
+        waveform: Arc<dyn Waveform>,
+    ) -> Self {
+        let receiver = Receiver::new(radar, scene.seed, echo.fft_len(), radar.channels.len());
+        let layout = radar.layout(scene.platforms.len(), scene.targets.len());
+        Self {
+            generator,
+            flown: OnceLock::new(),
+            echo,
+            reception: Reception { receiver, ships: ShipTracks::of(scene), clocks: None, generators: None },
+            sample_rate_hz: radar.sample_rate_hz,
+            waveform,
+            layout: Layout { ships: scene.ships.len(), ..layout },
+            plan,
+        }
+    }
+
+    /// The same by these clocks.
+    pub(crate) fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
+        let layout = Layout { clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()), ..self.layout };
+        Self { layout, reception: Reception { clocks, ..self.reception }, ..self }
+    }
+
     /// The same with calibration channels behind those of echoes.
     ///
     /// # Errors
@@ -158,16 +170,33 @@ impl PulseFactory {
         if list.is_empty() {
             return Ok(self);
         }
-        let clocks = self.clocks.clone();
-        let made = Generators::new(list, radar, &*self.waveform, &self.receiver, clocks)?;
+        let Reception { receiver, clocks, .. } = &self.reception;
+        let made = Generators::new(list, radar, &*self.waveform, receiver, clocks.clone())?;
         let layout = Layout { channels: radar.channels.len() + made.count(), ..self.layout };
-        let receiver = self.receiver.with_behind(made.count());
-        Ok(Self { receiver, layout, generators: Some(made), mark: Mark::default(), ..self })
+        let receiver = receiver.clone().with_behind(made.count());
+        let reception = Reception { receiver, generators: Some(made), ..self.reception };
+        Ok(Self { reception, layout, ..self })
+    }
+
+    /// The same with other nodes; `None` where pulses are made one by one.
+    pub(crate) fn with_nodes(&self, chosen: &EchoSettings) -> Option<Self> {
+        Some(Self { echo: self.echo.with_nodes(chosen)?, ..self.clone() })
+    }
+
+    /// What finds the scatterer paths of the pulses that are made next.
+    pub(crate) fn generator(&self) -> &PathGenerator {
+        self.flown.get().unwrap_or(&self.generator)
+    }
+
+    /// Makes the next pulses on other tracks, in the order of the platforms, where it was prepared on a
+    /// nominal trajectory. That can be done once.
+    pub(crate) fn fly(&self, tracks: Vec<PlatformTracks>) {
+        let _ = self.flown.set(self.generator.on_tracks(tracks));
     }
 
     /// Channels that carry echoes.
     fn echo_channels(&self) -> usize {
-        self.layout.channels - self.generators.as_ref().map_or(0, Generators::count)
+        self.generator.channel_pairs().len()
     }
 
     /// Sizes of the pulses made.
@@ -182,29 +211,20 @@ impl PulseFactory {
 
     /// Grids of one worker, bytes.
     pub(crate) fn grid_bytes(&self) -> u64 {
-        let pulses = self.block_pulses();
-        let cells = 2 * self.echo.fft_len() as u64;
-        let bytes = match &self.echo {
-            Echo::Reference(_) => 0,
-            Echo::Fast(_) => 8,
-            Echo::Single(_) => 16,
-        };
-        pulses.saturating_mul(cells).saturating_mul(bytes * self.echo_channels() as u64)
+        let cells = 2 * (self.echo.fft_len() * self.echo_channels()) as u64;
+        self.block_pulses().saturating_mul(cells).saturating_mul(self.echo.needs().cell_bytes)
     }
 
     /// Panels and double bounces of ships that echo by their mesh.
     pub(crate) fn ship_paths(&self) -> usize {
-        self.generator.ship_paths()
+        self.generator().ship_paths()
     }
 
     /// About what ships that echo by their mesh take with so many workers, bytes.
     pub(crate) fn ship_bytes(&self, threads: usize) -> u64 {
-        let (lists, pulses) = match &self.echo {
-            Echo::Fast(blocks) => (NODES + 1, blocks.pulses_of_panels() + 1),
-            Echo::Reference(_) | Echo::Single(_) => (1, 1),
-        };
+        let Needs { lists, panel_pulses, .. } = self.echo.needs();
         let sizes = [self.layout.pairs, self.echo_channels()];
-        let each = memory::path_bytes(sizes, lists, pulses).saturating_mul(threads as u64);
+        let each = memory::path_bytes(sizes, lists, panel_pulses).saturating_mul(threads as u64);
         (self.ship_paths() as u64).saturating_mul(each.saturating_add(memory::SHARED_PATH_BYTES))
     }
 
@@ -212,26 +232,26 @@ impl PulseFactory {
     /// those that are kept for all.
     pub(crate) fn breaker_bytes(&self, threads: usize) -> u64 {
         let pulses = self.block_pulses();
-        let lists = if matches!(self.echo, Echo::Fast(_)) { NODES + 1 } else { 1 };
-        let (count, kept) = self.generator.breakers_within(pulses);
+        let lists = self.echo.needs().lists;
+        let (count, kept) = self.generator().breakers_within(pulses);
         let each = memory::path_bytes([self.layout.pairs, self.echo_channels()], lists, pulses as usize);
         kept.saturating_add((count as u64).saturating_mul(each.saturating_mul(threads as u64)))
     }
 
     /// What pulses one by one take more than those of a block, bytes.
     pub(crate) fn single_bytes(&self, threads: usize) -> u64 {
-        let alone = !matches!(self.echo, Echo::Reference(_)) && self.block_pulses() == 1;
+        let alone = self.echo.needs().cell_bytes > 0 && self.block_pulses() == 1;
         if alone { memory::single_bytes(self.facets(), threads) } else { 0 }
     }
 
     /// Facets of the patch of sea; 0 without one.
     pub fn facets(&self) -> usize {
-        self.generator.facets()
+        self.generator().facets()
     }
 
     /// Facets, targets and, where it is received, the direct path: what a pulse may have scatterer paths of.
     pub fn paths(&self) -> usize {
-        self.facets() + self.generator.point_count()
+        self.facets() + self.generator().point_count()
     }
 
     /// An empty slot for a pulse.
@@ -241,7 +261,7 @@ impl PulseFactory {
 
     /// The transmitted pulse after the receive filter; see [`Receiver::replica`].
     pub fn replica(&self) -> Vec<Complex32> {
-        self.receiver.replica(&*self.waveform)
+        self.reception.receiver.replica(&*self.waveform)
     }
 
     /// Targets whose whole echo lies in the window of a pulse, in the best pair.
@@ -262,18 +282,18 @@ impl PulseFactory {
     /// # Errors
     /// A pulse that the run does not have, or a track that ends before it.
     pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
-        self.generator.beyond_horizon(index)
+        self.generator().beyond_horizon(index)
     }
 
     /// Points that stand for rain at a pulse, mean, and in a resolution cell; `None` where it returns no
     /// echo.
     pub fn rain(&self) -> Option<(f64, f64)> {
-        self.generator.rains().then(|| (self.generator.drops(), self.generator.drops_per_cell()))
+        self.generator().rains().then(|| (self.generator().drops(), self.generator().drops_per_cell()))
     }
 
     /// Heights of the land; `None` without any.
     pub fn dem(&self) -> Option<Arc<Dem>> {
-        self.generator.dem()
+        self.generator().dem()
     }
 
     /// The facets of the sea as a pulse's emission illuminates them, one snapshot for each of `pulses`; none
@@ -282,8 +302,8 @@ impl PulseFactory {
     /// # Errors
     /// A pulse that the run does not have, or a track that ends before it.
     pub fn snapshots(&self, pulses: &[u64]) -> Result<Vec<Snapshot>, RadarError> {
-        let mut work = self.generator.workspace();
-        pulses.iter().filter_map(|&index| self.generator.snapshot(index, &mut work).transpose()).collect()
+        let mut work = self.generator().workspace();
+        pulses.iter().filter_map(|&index| self.generator().snapshot(index, &mut work).transpose()).collect()
     }
 
     /// The scatterer paths within the receive window of a pulse, as the reference echo takes them, and the
@@ -292,103 +312,34 @@ impl PulseFactory {
     /// # Errors
     /// A pulse that the run does not have, or a track that ends before it.
     pub fn scatterer_paths(&self, index: u64) -> Result<(Pulse, ScattererPaths), RadarError> {
-        let (mut pulse, mut paths) = (self.slot(), self.path_list());
-        self.generator.pulse(index, &mut self.generator.workspace(), &mut paths, &mut pulse)?;
+        let (mut pulse, mut paths) = (self.slot(), full_list(self.generator()));
+        self.generator().pulse(index, &mut self.generator().workspace(), &mut paths, &mut pulse)?;
         Ok((pulse, paths))
-    }
-
-    /// Room for every facet, target and direct path, of a pulse and of two neighbours.
-    fn path_list(&self) -> ScattererPaths {
-        ScattererPaths::new(self.layout.pairs, self.echo_channels(), self.point_paths() + self.facets())
-    }
-
-    /// Most paths of targets and the direct path, of a pulse and of two neighbours.
-    fn point_paths(&self) -> usize {
-        3 * (self.layout.targets + 1)
     }
 
     /// The pair of each channel, as scatterer paths have them.
     pub fn channel_pairs(&self) -> &[usize] {
-        self.generator.channel_pairs()
+        self.generator().channel_pairs()
     }
 
     /// Whether there is a sea whose patch moves.
     pub fn follows(&self) -> bool {
-        self.generator.follows()
+        self.generator().follows()
     }
 
-    /// Memory for one thread.
-    pub fn workspace(&self) -> Workspace {
-        let (pairs, channels) = (self.layout.pairs, self.echo_channels());
-        let echo = match &self.echo {
-            Echo::Reference(_) => EchoWork::Reference(self.path_list()),
-            Echo::Fast(echo) => {
-                let work = echo.work(&self.generator, pairs, channels, self.point_paths());
-                EchoWork::Fast(Box::new(work))
-            }
-            Echo::Single(echo) => EchoWork::Single(Box::new(echo.work(self.path_list()))),
-        };
-        Workspace {
-            mark: self.mark.clone(),
-            generator: self.generator.workspace(),
-            echo,
-            spectrum: vec![Complex64::ZERO; channels * self.echo.fft_len()],
-            receiver: self.receiver.scratch(),
-            clocks: Vec::with_capacity(channels),
-            generators: self
-                .generators
-                .as_ref()
-                .map_or_else(GeneratorScratch::default, |of| of.scratch(&self.receiver)),
-        }
-    }
-
-    /// Makes pulse `index` in a slot of this factory's layout. Does not allocate once the workspace has seen
-    /// the largest scatterer path list.
-    ///
-    /// # Errors
-    /// A workspace of another factory; a pulse that the run does not have. Tracks were checked to cover the
-    /// run, so any other error is a fault of the program.
-    pub fn make(&self, index: u64, pulse: &mut Pulse, work: &mut Workspace) -> Result<(), PulseError> {
-        let Workspace { mark, generator, echo: of_echo, spectrum, receiver, clocks, generators } = work;
-        if *mark != self.mark {
-            return Err(PulseError::Workspace);
-        }
-        generator.costs.begin();
-        match (&self.echo, of_echo) {
-            (Echo::Reference(echo), EchoWork::Reference(paths)) => {
-                self.generator.pulse(index, generator, paths, pulse)?;
-                echo.spectrum(paths, pulse.window_start_s, spectrum);
-                generator.costs.lap(Stage::Spread);
-                generator.costs.accumulated(paths.len() * self.layout.pairs);
-            }
-            (Echo::Fast(echo), EchoWork::Fast(work)) => {
-                echo.make(&self.generator, index, pulse, generator, work, spectrum)?;
-            }
-            (Echo::Single(echo), EchoWork::Single(work)) => {
-                echo.make(&self.generator, index, pulse, generator, work, spectrum)?;
-            }
-            _ => return Err(PulseError::Workspace),
-        }
-        self.ships.record(pulse);
-        if let Some(running) = &self.clocks {
-            // Echoes were made for the window as it is; recorded is what the clocks say.
-            pulse.window_start_s = self.generator.nominal_start_of(index)?;
-            running.channels(index, pulse.window_start_s, clocks);
-        }
-        self.receiver.receive_by(clocks, spectrum, pulse, receiver);
-        if let Some(made) = &self.generators {
-            made.fill(&self.receiver, pulse, generators, receiver);
-        }
-        generator.costs.lap(Stage::Receive);
-        generator.costs.made();
-        Ok(())
+    /// What makes pulses in one thread.
+    pub fn worker(&self) -> Worker<'_> {
+        let kit = Kit::new(self.generator(), &self.reception);
+        Worker { factory: self, echo: self.echo.worker(self.generator()), kit }
     }
 
     /// Pulses that are made together: 1, or those of a block.
     pub fn block_pulses(&self) -> u64 {
-        match &self.echo {
-            Echo::Reference(_) | Echo::Single(_) => 1,
-            Echo::Fast(echo) => echo.block_pulses(),
-        }
+        self.echo.segment_pulses()
+    }
+
+    /// Those that are made together with one; the last of a run may reach beyond it.
+    pub(crate) fn segment_of(&self, index: u64) -> Range<u64> {
+        self.echo.segment_of(index)
     }
 }

@@ -204,10 +204,10 @@ fn the_fast_echo_keeps_its_budget_where_an_aim_jumps() {
     let reference = changing::factory(&run, &nereus::echo::Fidelity::Reference).unwrap();
     assert!(fast.block_pulses() > 10 && fast.block_pulses() < 100);
     let samples = |factory: &nereus::pipeline::stages::PulseFactory, of: &[u64]| -> Vec<Vec<[f64; 2]>> {
-        let (mut slot, mut work) = (factory.slot(), factory.workspace());
+        let (mut slot, mut worker) = (factory.slot(), factory.worker());
         of.iter()
             .map(|&index| {
-                factory.make(index, &mut slot, &mut work).unwrap();
+                worker.make(index, &mut slot).unwrap();
                 let Samples::Cf32(iq) = &slot.samples else { panic!("codes") };
                 iq[..192].iter().map(|s| [f64::from(s.re), f64::from(s.im)]).collect()
             })

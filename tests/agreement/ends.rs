@@ -6,7 +6,6 @@ use nereus::bench::accuracy::Judge;
 use nereus::config::{self, Run};
 use nereus::echo::Fidelity;
 use nereus::pipeline::changing;
-use nereus::pipeline::fault::PulseError;
 use nereus::pulse::Pulse;
 
 /// Coast at 12 m, boat at 9 m and 13 m/s, 64 x 64 facets of 2 m, 2 kHz: updates of the shadows are 40 pulses
@@ -58,8 +57,8 @@ fn a_pulse_does_not_know_how_long_its_run_is() {
     let of = |duration_s: &str, fidelity: &Fidelity| -> Pulse {
         let run = coast(&[("scene.duration_s", duration_s)]);
         let factory = changing::factory(&run, fidelity).unwrap();
-        let (mut slot, mut work) = (factory.slot(), factory.workspace());
-        factory.make(69, &mut slot, &mut work).unwrap();
+        let (mut slot, mut worker) = (factory.slot(), factory.worker());
+        worker.make(69, &mut slot).unwrap();
         slot
     };
     let [short, long] = ["0.035", "0.15"].map(|duration_s| of(duration_s, &Fidelity::Reference));
@@ -67,19 +66,18 @@ fn a_pulse_does_not_know_how_long_its_run_is() {
     assert!(short.samples == long.samples, "pulse 69 of 70 is not pulse 69 of 300");
 }
 
-/// Between kinds of echo it gave silent pulses, within a kind the block that the other factory had made.
+/// Pulses of a block are made at once: those asked for again, before others or after another block are alike.
 #[test]
-fn a_workspace_of_another_factory_is_refused() {
-    let run = coast(&[("scene.patch_size_m", "[32.0, 32.0]"), ("fidelity.node_pulses", "2")]);
-    let fast = [0, 1].map(|_| changing::factory(&run, &run.fidelity).unwrap());
-    let reference = changing::factory(&run, &Fidelity::Reference).unwrap();
-    let mut slot = fast[0].slot();
-    let mut work = fast[0].workspace();
-    fast[0].make(0, &mut slot, &mut work).unwrap();
-    for other in [&fast[1], &reference] {
-        let refused = other.make(0, &mut slot, &mut work).unwrap_err();
-        assert!(matches!(refused, PulseError::Workspace), "{refused}");
+fn a_pulse_does_not_know_what_its_worker_made_before() {
+    let run = coast(&[("scene.patch_size_m", "[32.0, 32.0]"), ("fidelity.node_pulses", "4")]);
+    let factory = changing::factory(&run, &run.fidelity).unwrap();
+    assert_eq!(factory.block_pulses(), 13);
+    let mut worker = factory.worker();
+    let [mut again, mut alone] = [factory.slot(), factory.slot()];
+    for index in [5, 6, 6, 2, 12, 13, 69, 68, 0] {
+        worker.make(index, &mut again).unwrap();
+        factory.worker().make(index, &mut alone).unwrap();
+        assert!(alone.samples.as_bytes().iter().any(|byte| *byte != 0));
+        assert!(again.index == index && again.samples == alone.samples, "pulse {index}");
     }
-    assert!(fast[0].make(0, &mut slot, &mut reference.workspace()).is_err());
-    fast[0].make(1, &mut slot, &mut work).unwrap();
 }

@@ -41,10 +41,10 @@ fn threads_and_ranges_do_not_change_a_bit_of_errors() {
 fn samples(run: &Run, of: &[u64]) -> Vec<f64> {
     let (tracks, _) = build::tracks(&run.nav, &run.scene).unwrap();
     let factory = factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
-    let (mut slot, mut work) = (factory.slot(), factory.workspace());
+    let (mut slot, mut worker) = (factory.slot(), factory.worker());
     let mut all = Vec::new();
     for &index in of {
-        factory.make(index, &mut slot, &mut work).unwrap();
+        worker.make(index, &mut slot).unwrap();
         let Samples::Cf32(iq) = &slot.samples else { panic!("codes") };
         all.extend(iq.iter().flat_map(|s| [f64::from(s.re), f64::from(s.im)]));
     }
@@ -101,8 +101,8 @@ fn misled(errors: &str) -> Pulse {
     let run = config::parse(&text, Path::new("misled.toml"), &[]).unwrap();
     let (tracks, _) = build::tracks(&run.nav, &run.scene).unwrap();
     let factory = factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
-    let (mut slot, mut work) = (factory.slot(), factory.workspace());
-    factory.make(7, &mut slot, &mut work).unwrap();
+    let (mut slot, mut worker) = (factory.slot(), factory.worker());
+    worker.make(7, &mut slot).unwrap();
     slot
 }
 

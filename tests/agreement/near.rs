@@ -39,8 +39,8 @@ fn specular_points_below_a_mast_turn_as_they_do() {
 fn powers_w(run: &Run, index: u64) -> Vec<f64> {
     let (tracks, _) = build::tracks(&run.nav, &run.scene).unwrap();
     let factory = factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
-    let (mut slot, mut work) = (factory.slot(), factory.workspace());
-    factory.make(index, &mut slot, &mut work).unwrap();
+    let (mut slot, mut worker) = (factory.slot(), factory.worker());
+    worker.make(index, &mut slot).unwrap();
     let Samples::Cf32(iq) = &slot.samples else { panic!("codes") };
     iq.iter().map(|s| f64::from(s.re).powi(2) + f64::from(s.im).powi(2)).collect()
 }

@@ -91,9 +91,9 @@ fn the_compressed_peak_is_where_the_radar_equation_puts_it() {
         );
         let factory =
             nereus::pipeline::factory::factory(&scene, scenes::tracks(&scene, case.tx, case.rx)).unwrap();
-        let mut work = factory.workspace();
+        let mut worker = factory.worker();
         let mut pulse = factory.slot();
-        factory.make(case.pulse, &mut pulse, &mut work).unwrap();
+        worker.make(case.pulse, &mut pulse).unwrap();
 
         let replica = factory.replica();
         let Samples::Cf32(iq) = &pulse.samples else { panic!("float samples expected") };

@@ -35,11 +35,11 @@ fn factory(run: &Run) -> PulseFactory {
 
 fn pulses(run: &Run, of: &[u64]) -> Vec<Pulse> {
     let factory = factory(run);
-    let mut work = factory.workspace();
+    let mut worker = factory.worker();
     of.iter()
         .map(|&index| {
             let mut slot = factory.slot();
-            factory.make(index, &mut slot, &mut work).unwrap();
+            worker.make(index, &mut slot).unwrap();
             slot
         })
         .collect()

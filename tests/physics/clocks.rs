@@ -70,11 +70,11 @@ fn seen(run: &config::Run, pulses: &[u64]) -> Vec<Seen> {
     let (tracks, _) = tracks(&run.nav, &run.scene).unwrap();
     let factory = factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
     let replica = factory.replica();
-    let (mut slot, mut work) = (factory.slot(), factory.workspace());
+    let (mut slot, mut worker) = (factory.slot(), factory.worker());
     pulses
         .iter()
         .map(|&index| {
-            factory.make(index, &mut slot, &mut work).unwrap();
+            worker.make(index, &mut slot).unwrap();
             let Samples::Cf32(iq) = &slot.samples else { panic!("codes") };
             let at = |j: usize| -> Complex64 {
                 iq[j..].iter().zip(&replica).fold(Complex64::ZERO, |sum, (s, q)| {
@@ -184,8 +184,8 @@ fn pairs_with_clocks_of_their_own_are_apart_by_them() {
     let run = scenario("", &with, "");
     let (tracks, _) = tracks(&run.nav, &run.scene).unwrap();
     let factory = factory_by(&run.scene, tracks, &run.fidelity, &run.clocks).unwrap();
-    let (mut slot, mut work) = (factory.slot(), factory.workspace());
-    factory.make(3, &mut slot, &mut work).unwrap();
+    let (mut slot, mut worker) = (factory.slot(), factory.worker());
+    worker.make(3, &mut slot).unwrap();
     let Samples::Cf32(iq) = &slot.samples else { panic!("codes") };
     let (first, second) = iq.split_at(512);
     // What the filter rings beyond the window is lost at its ends: below 1e-3 of the signal.

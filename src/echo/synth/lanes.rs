@@ -17,8 +17,7 @@ use std::ops::Range;
 
 use super::block::{MAX_NODES, Through};
 use super::frame::Frame;
-use super::grid::FAR_CELLS;
-use super::grid::{Grids, Lined};
+use super::grid::{FAR_CELLS, Grids, Lined};
 use super::spread::{DelayPolynomials, Emitted, Job, TICKS};
 use super::{Synth, of_group};
 use crate::cpu::Task;

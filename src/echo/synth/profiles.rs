@@ -14,8 +14,7 @@
 use std::ops::Range;
 
 use super::frame::Frame;
-use super::grid::FAR_CELLS;
-use super::grid::{Grids, Lined};
+use super::grid::{FAR_CELLS, Grids, Lined};
 use super::lanes::{LaneWork, Rows, TOGETHER, intervals_of};
 use super::scalar::Scalar;
 use super::spread::{DelayPolynomials, Emitted, Job};

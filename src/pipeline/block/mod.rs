@@ -16,16 +16,14 @@
 //! receive too many, every pulse is a block of its own, and nothing is interpolated.
 //!
 //! A patch that follows stays for some pulses ([`PathGenerator::hold_pulses`]), and blocks divide these. A
-//! block depends on its number and the run alone, so any thread may make any pulse: the block that holds it
-//! is made first, unless it is at hand. Errors of the interpolation: `docs/physics.md` section 15.7.
+//! block depends on its number and the run alone, so any thread may make any pulse: its block is made first,
+//! unless that is at hand. Errors of the interpolation: `docs/physics.md` section 15.7.
 
 mod doppler;
 mod exact;
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
-
-use num_complex::Complex64;
 
 use crate::cpu::Variant;
 use crate::echo::synth::bands::Bands;
@@ -38,7 +36,9 @@ use crate::paths::block::{
 };
 use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Received, Workspace};
+use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, Slots, path_list, point_paths};
 use crate::pipeline::fault::PulseError;
+use crate::pipeline::kit::Kit;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 
@@ -76,9 +76,11 @@ pub(crate) struct BlockEcho {
 }
 
 /// The block at hand, and what makes the next; one per thread.
-pub(crate) struct BlockWork {
-    /// First pulse and the pulse after the last one.
-    held: Option<(u64, u64)>,
+struct BlockWork {
+    /// Pulses of the block at hand, and the first that was not taken from its grids: what is asked for once
+    /// more is made once more.
+    made: Range<u64>,
+    next: u64,
     received: Received,
     tiers: Tiers,
     nodes: [ScattererPaths; NODES],
@@ -104,10 +106,43 @@ pub(crate) struct BlockWork {
     spread: usize,
 }
 
-impl BlockWork {
-    /// The block at hand will be made again.
-    pub fn forget(&mut self) {
-        self.held = None;
+struct BlockWorker<'f> {
+    echo: &'f BlockEcho,
+    work: BlockWork,
+}
+
+impl EchoEngine for BlockEcho {
+    fn fft_len(&self) -> usize {
+        self.synth.fft_len()
+    }
+
+    fn segment_pulses(&self) -> u64 {
+        self.length
+    }
+
+    fn needs(&self) -> Needs {
+        Needs { cell_bytes: 8, lists: NODES + 1, panel_pulses: self.pulses_of_panels() + 1 }
+    }
+
+    fn with_nodes(&self, chosen: &EchoSettings) -> Option<Arc<dyn EchoEngine>> {
+        let block = usize::try_from(block_pulses(chosen.node_pulses)).ok().filter(|&n| n <= MAX_PULSES);
+        let (synth, borders) = (Arc::clone(&self.synth), Arc::default());
+        let length = chosen.block_pulses(self.hold_pulses);
+        block.map(|_| Arc::new(Self { synth, borders, length, ..*self }) as Arc<dyn EchoEngine>)
+    }
+
+    fn worker<'f>(&'f self, paths: &PathGenerator) -> Box<dyn EchoWorker + 'f> {
+        Box::new(BlockWorker { echo: self, work: self.work(paths) })
+    }
+}
+
+impl EchoWorker for BlockWorker<'_> {
+    fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError> {
+        for (index, pulse) in pulses.zip(slots) {
+            self.echo.make(index, pulse, kit, &mut self.work)?;
+            kit.receive(pulse)?;
+        }
+        Ok(())
     }
 }
 
@@ -143,33 +178,17 @@ impl BlockEcho {
         })
     }
 
-    /// The same echo with other nodes; `None` of blocks that are too long.
-    pub fn like(other: &Self, chosen: &EchoSettings) -> Option<Self> {
-        let block = usize::try_from(block_pulses(chosen.node_pulses)).ok()?;
-        let (synth, borders) = (Arc::clone(&other.synth), Arc::default());
-        let length = chosen.block_pulses(other.hold_pulses);
-        (block <= MAX_PULSES).then_some(Self { synth, borders, length, ..*other })
-    }
-
-    /// Pulses of a block.
-    pub fn block_pulses(&self) -> u64 {
-        self.length
-    }
-
-    pub fn fft_len(&self) -> usize {
-        self.synth.fft_len()
-    }
-
-    pub fn work(&self, generator: &PathGenerator, pairs: usize, channels: usize, paths: usize) -> BlockWork {
+    fn work(&self, generator: &PathGenerator) -> BlockWork {
         let variant = self.synth.settings().variant.unwrap_or_else(Variant::fastest);
-        let length = self.block_pulses() as usize;
+        let (length, pairs) = (self.length as usize, generator.pairs().len());
         let breakers = generator.breakers_room(length);
         let at_once = breakers.max(generator.rain_room());
         BlockWork {
-            held: None,
+            made: 0..0,
+            next: 0,
             received: Received::default(),
             tiers: Tiers::default(),
-            nodes: std::array::from_fn(|_| ScattererPaths::new(pairs, channels, paths.max(at_once))),
+            nodes: std::array::from_fn(|_| path_list(generator, point_paths(generator).max(at_once))),
             windows_s: Vec::with_capacity(length),
             frame: Frame::default(),
             own_groups: Vec::new(),
@@ -192,15 +211,14 @@ impl BlockEcho {
     ///
     /// # Errors
     /// A track that ends early, or paths that cannot be followed through the block.
-    pub fn make(
+    fn make(
         &self,
-        generator: &PathGenerator,
         index: u64,
         pulse: &mut Pulse,
-        memory: &mut Workspace,
+        kit: &mut Kit<'_>,
         work: &mut BlockWork,
-        spectrum: &mut [Complex64],
     ) -> Result<(), PulseError> {
+        let Kit { paths: generator, memory, spectrum, .. } = kit;
         if let (Some(band_hz), Some(bands)) = (self.band_hz(), &mut work.bands) {
             let paths = &mut work.nodes[0];
             generator.pulse(index, memory, paths, pulse)?;
@@ -212,13 +230,13 @@ impl BlockEcho {
             return Ok(());
         }
         generator.record(index, memory, pulse)?;
-        if work.held.is_none_or(|(first, end)| !(first..end).contains(&index)) {
-            work.held = None;
-            work.held = Some(self.prepare(generator, index, pulse, memory, work)?);
+        if !(work.next..work.made.end).contains(&index) {
+            work.made = 0..0;
+            work.made = self.prepare(generator, index, pulse, memory, work)?;
         }
-        let first = work.held.map_or(index, |(first, _)| first);
-        let BlockWork { frame, grids, scratch, .. } = &mut *work;
-        self.synth.spectrum_in(frame, grids, (index - first) as usize, scratch, spectrum);
+        work.next = index + 1;
+        let BlockWork { made, frame, grids, scratch, .. } = &mut *work;
+        self.synth.spectrum_in(frame, grids, (index - made.start) as usize, scratch, spectrum);
         memory.costs.lap(Stage::Transform);
         memory.costs.accumulated(work.spread);
         Ok(())
@@ -229,7 +247,7 @@ impl BlockEcho {
         self.synth.settings().band_hz.filter(|_| self.length == 1)
     }
 
-    /// Makes the block that holds a pulse; says which pulses it has.
+    /// Makes the block of a pulse; says which pulses it has.
     fn prepare(
         &self,
         generator: &PathGenerator,
@@ -237,11 +255,11 @@ impl BlockEcho {
         pulse: &mut Pulse,
         memory: &mut Workspace,
         work: &mut BlockWork,
-    ) -> Result<(u64, u64), PulseError> {
-        let len = self.block_pulses();
-        let first = index / len * len;
+    ) -> Result<Range<u64>, PulseError> {
+        let segment = self.segment_of(index);
         // What is aimed by a report jumps with it: such a block ends there.
-        let Range { start: first, end } = generator.unbroken(first..(first + len).min(self.pulses), index);
+        let Range { start: first, end } =
+            generator.unbroken(segment.start..segment.end.min(self.pulses), index);
         work.windows_s.clear();
         work.spread = 0;
         if self.length == 1 || !self.receives(generator, first..end, memory, work)? {
@@ -268,7 +286,7 @@ impl BlockEcho {
             exact += self.spread_own(pulse, memory, work)?;
         }
         work.spread += exact / pulses;
-        Ok((first, end))
+        Ok(first..end)
     }
 
     /// Windows of some pulses, and what they receive; `false` where that is more than blocks can have.
@@ -298,7 +316,7 @@ impl BlockEcho {
         pulse: &mut Pulse,
         memory: &mut Workspace,
         work: &mut BlockWork,
-    ) -> Result<(u64, u64), PulseError> {
+    ) -> Result<Range<u64>, PulseError> {
         let paths = &mut work.nodes[0];
         generator.pulse(index, memory, paths, pulse)?;
         let node = Node { pulse: 0, paths };
@@ -309,7 +327,7 @@ impl BlockEcho {
         memory.costs.lap(Stage::Spread);
         work.spread = work.part.found().spread;
         work.frame.clone_from(work.part.frame());
-        Ok((index, index + 1))
+        Ok(index..index + 1)
     }
 
     /// Makes some of the emissions of a block with the given first pulse, and spreads them on the grids of
@@ -443,7 +461,7 @@ impl BlockEcho {
     }
 
     /// Pulses whose panels of ships are found together, at most.
-    pub fn pulses_of_panels(&self) -> usize {
+    fn pulses_of_panels(&self) -> usize {
         ((NODES - 1) * self.panel_pulses + 1).min(POINT_PULSES).min(self.length as usize)
     }
 

@@ -1,0 +1,112 @@
+//! The neck between what is emulated and how it is computed: states of scatterers in, pulses out.
+//!
+//! An [`EchoEngine`] cuts a run into segments, pulses that it makes at once, by their numbers alone. Whoever
+//! makes pulses asks for whole segments where it can, and for parts where it must: the bits are the same.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::fault::PulseError;
+use super::kit::Kit;
+use crate::echo::reference::ReferenceEcho;
+use crate::fidelity::echo_settings::EchoSettings;
+use crate::paths::PathGenerator;
+use crate::paths::list::ScattererPaths;
+use crate::pulse::Pulse;
+use crate::pulse::costs::Stage;
+
+/// Slots of pulses that follow each other.
+pub(crate) type Slots<'p> = &'p mut dyn Iterator<Item = &'p mut Pulse>;
+
+/// From states of scatterers to pulses. Immutable, shared by all threads.
+pub(crate) trait EchoEngine: Send + Sync {
+    /// Bins of the spectrum of a channel.
+    fn fft_len(&self) -> usize;
+
+    /// Pulses of a segment.
+    fn segment_pulses(&self) -> u64 {
+        1
+    }
+
+    /// The segment that holds a pulse. The last one of a run may reach beyond it.
+    fn segment_of(&self, index: u64) -> Range<u64> {
+        let first = index - index % self.segment_pulses();
+        first..first.saturating_add(self.segment_pulses())
+    }
+
+    /// What its workers take of memory.
+    fn needs(&self) -> Needs {
+        Needs { cell_bytes: 0, lists: 1, panel_pulses: 1 }
+    }
+
+    /// The same with other nodes; `None` where it has none, or cannot have these.
+    fn with_nodes(&self, _chosen: &EchoSettings) -> Option<Arc<dyn EchoEngine>> {
+        None
+    }
+
+    /// What makes pulses for one thread, of paths much like these.
+    fn worker<'f>(&'f self, paths: &PathGenerator) -> Box<dyn EchoWorker + 'f>;
+}
+
+/// An engine with the memory of one thread.
+pub(crate) trait EchoWorker: Send {
+    /// Makes pulses of a segment, the whole of it or a part, in as many slots: fills the record of each and
+    /// the spectrum of its echo, and has it received.
+    ///
+    /// # Errors
+    /// A pulse that the run does not have, a track that ends early, paths that cannot be followed.
+    fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError>;
+}
+
+/// What a worker of an engine takes of memory.
+pub(crate) struct Needs {
+    /// Of a cell of its grids, bytes; 0 without grids.
+    pub cell_bytes: u64,
+    /// Lists of scatterer paths.
+    pub lists: usize,
+    /// Pulses whose panels of ships are found together.
+    pub panel_pulses: usize,
+}
+
+/// A list with room for so many paths.
+pub(crate) fn path_list(paths: &PathGenerator, capacity: usize) -> ScattererPaths {
+    ScattererPaths::new(paths.pairs().len(), paths.channel_pairs().len(), capacity)
+}
+
+/// A list with room for every facet, target and direct path, of a pulse and of two neighbours.
+pub(crate) fn full_list(paths: &PathGenerator) -> ScattererPaths {
+    path_list(paths, point_paths(paths) + paths.facets())
+}
+
+/// Most paths of targets and the direct path, of a pulse and of two neighbours.
+pub(crate) fn point_paths(paths: &PathGenerator) -> usize {
+    3 * (paths.target_count() + 1)
+}
+
+impl EchoEngine for ReferenceEcho {
+    fn fft_len(&self) -> usize {
+        self.fft_len()
+    }
+
+    fn worker<'f>(&'f self, paths: &PathGenerator) -> Box<dyn EchoWorker + 'f> {
+        Box::new(ReferenceWorker { echo: self, paths: full_list(paths) })
+    }
+}
+
+struct ReferenceWorker<'f> {
+    echo: &'f ReferenceEcho,
+    paths: ScattererPaths,
+}
+
+impl EchoWorker for ReferenceWorker<'_> {
+    fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError> {
+        for (index, pulse) in pulses.zip(slots) {
+            kit.paths.pulse(index, &mut kit.memory, &mut self.paths, pulse)?;
+            self.echo.spectrum(&self.paths, pulse.window_start_s, &mut kit.spectrum);
+            kit.memory.costs.lap(Stage::Spread);
+            kit.memory.costs.accumulated(self.paths.len() * kit.paths.pairs().len());
+            kit.receive(pulse)?;
+        }
+        Ok(())
+    }
+}

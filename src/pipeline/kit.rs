@@ -1,0 +1,75 @@
+//! What a worker has at hand whatever its engine: buffers of scatterer paths, a spectrum to fill, and the way
+//! from there to samples.
+
+use num_complex::Complex64;
+
+use super::fault::PulseError;
+use crate::paths::{PathGenerator, Workspace};
+use crate::pipeline::hull_scatterers::ShipTracks;
+use crate::pulse::Pulse;
+use crate::pulse::costs::Stage;
+use crate::radar::calibration::{GeneratorScratch, Generators};
+use crate::radar::clock::{ChannelClock, RunningClocks};
+use crate::radar::receiver::{Receiver, ReceiverScratch};
+use std::sync::Arc;
+
+/// From the spectra of echoes to samples. Immutable, shared by all threads.
+#[derive(Clone)]
+pub(crate) struct Reception {
+    pub receiver: Receiver,
+    pub ships: ShipTracks,
+    pub clocks: Option<Arc<RunningClocks>>,
+    pub generators: Option<Generators>,
+}
+
+/// What one worker has at hand.
+pub(crate) struct Kit<'f> {
+    /// Says what is where at a pulse.
+    pub paths: &'f PathGenerator,
+    /// Its buffers, and what pulses have cost.
+    pub memory: Workspace,
+    /// Of all channels that carry echoes: filled by an engine, before a pulse is received.
+    pub spectrum: Vec<Complex64>,
+    reception: &'f Reception,
+    /// Of the receiver, and the levels that it met.
+    pub scratch: ReceiverScratch,
+    clocks: Vec<ChannelClock>,
+    generators: GeneratorScratch,
+}
+
+impl<'f> Kit<'f> {
+    pub fn new(paths: &'f PathGenerator, reception: &'f Reception) -> Self {
+        let Reception { receiver, generators, .. } = reception;
+        let channels = paths.channel_pairs().len();
+        Self {
+            paths,
+            memory: paths.workspace(),
+            spectrum: vec![Complex64::ZERO; channels * receiver.fft_len()],
+            reception,
+            scratch: receiver.scratch(),
+            clocks: Vec::with_capacity(channels),
+            generators: generators.as_ref().map_or_else(GeneratorScratch::default, |of| of.scratch(receiver)),
+        }
+    }
+
+    /// Finishes a pulse whose record and spectrum are filled.
+    ///
+    /// # Errors
+    /// A track that ends early.
+    pub fn receive(&mut self, pulse: &mut Pulse) -> Result<(), PulseError> {
+        let Self { paths, memory, spectrum, reception, scratch, clocks, generators } = self;
+        reception.ships.record(pulse);
+        if let Some(running) = &reception.clocks {
+            // Echoes were made for the window as it is; recorded is what the clocks say.
+            pulse.window_start_s = paths.nominal_start_of(pulse.index)?;
+            running.channels(pulse.index, pulse.window_start_s, clocks);
+        }
+        reception.receiver.receive_by(clocks, spectrum, pulse, scratch);
+        if let Some(made) = &reception.generators {
+            made.fill(&reception.receiver, pulse, generators, scratch);
+        }
+        memory.costs.lap(Stage::Receive);
+        memory.costs.made();
+        Ok(())
+    }
+}
