@@ -42,8 +42,7 @@ const LEAST_PULSES: u64 = 8;
 const TRIES: u32 = 5;
 /// How much finer than what was missed the next settings are, dB.
 const CLOSER_DB: f64 = 3.0;
-/// How far below what is asked exact pulses are, dB: of long pulses, which they take in bands of Doppler, each
-/// dB makes more of these.
+/// How far below what is asked exact pulses are, dB: long pulses are then made in fewer bands of Doppler.
 const FINER_DB: f64 = 30.0;
 /// What exact scatterer paths on the finest grid are themselves off the reference, and other instructions
 /// round otherwise, dB.
@@ -74,7 +73,8 @@ pub(crate) fn plan(
     };
     let first = choose(&mut chooser, asked.error_db, asked.node_pulses)?;
     let chosen = Chosen::of(scene, generator, first.chosen.block_pulses(generator.hold_pulses()));
-    if first.chosen.node_pulses <= 1 || (chosen.pulses.len() as u64) < LEAST_PULSES {
+    let exact = asked.node_pulses.map_or(asked.error_db <= EXACT_DB, |pulses| pulses <= 1);
+    if exact || (chosen.pulses.len() as u64) < LEAST_PULSES {
         return Ok(first);
     }
     let exact = (asked.error_db - FINER_DB).max(EXACT_DB);
@@ -83,7 +83,9 @@ pub(crate) fn plan(
     let Some(trial) = Trial::new(scene, generator, waveform, chosen, &exact)? else { return Ok(first) };
     let (mut tried, mut target_db) = (first, asked.error_db);
     let mut best: Option<Plan> = None;
-    for tries in 1..=TRIES {
+    let mut tries = 0;
+    while tries < TRIES {
+        tries += 1;
         let Some(found) = trial.judged(tried, tries)? else { return Ok(first) };
         if found.keeps() {
             return Ok(found);
@@ -112,10 +114,14 @@ pub(crate) fn plan(
     if asked.node_pulses.is_some() {
         return Ok(best);
     }
-    for error_db in [asked.error_db, EXACT_DB] {
+    for finer_db in [0.0, 0.5 * FINER_DB, FINER_DB] {
+        tries += 1;
+        let error_db = if finer_db < FINER_DB { asked.error_db - finer_db } else { EXACT_DB };
+        let error_db = error_db.max(EXACT_DB);
         let plan = choose(&mut chooser, error_db, Some(1))?;
-        if plan.keeps() {
-            return Ok(plan);
+        let Some(found) = trial.judged(plan, tries)? else { return Ok(plan) };
+        if found.keeps() {
+            return Ok(found);
         }
     }
     Ok(best)
