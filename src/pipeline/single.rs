@@ -62,13 +62,14 @@ impl SingleEcho {
         let SingleWork { paths, block, grids, scratch, bands } = work;
         generator.pulse(index, memory, paths, pulse)?;
         if let (Some(band_hz), Some(bands)) = (self.synth.settings().band_hz, bands) {
-            let start_s = pulse.window_start_s;
-            let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
+            let starts_s = pulse.window_starts_s();
+            let found = self.synth.pulse_in_bands(paths, starts_s, band_hz, bands, spectrum)?;
             memory.costs.lap(Stage::Spread);
             memory.costs.accumulated(found.spread);
             return check(found);
         }
-        self.synth.fill(&[Node { pulse: 0, paths }], &[pulse.window_start_s], block)?;
+        let starts_s = pulse.window_starts_s().as_chunks::<1>().0;
+        self.synth.fill_in(&[Node { pulse: 0, paths }], starts_s, block)?;
         check(block.found())?;
         memory.costs.lap(Stage::Fill);
         self.synth.spread(block, grids);

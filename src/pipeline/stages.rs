@@ -36,6 +36,7 @@ use crate::radar::receiver::{Receiver, ReceiverScratch};
 use crate::radar::waveform::Waveform;
 use crate::scene::Radar;
 use crate::scene::calibration::Calibration;
+use crate::scene::radar::Pair;
 use crate::sea::land::Dem;
 
 /// Makes pulses. Immutable, shared by all threads.
@@ -89,14 +90,14 @@ impl Echo {
         let Some(Plan { chosen, .. }) = plan else {
             let (pairs, guard) = (of_channels.to_vec(), generator.guard_samples());
             let echo = ReferenceEcho::with_guard(waveform, carrier_hz, rate_hz, samples, pairs, guard);
-            return Ok(Self::Reference(echo));
+            return Ok(Self::Reference(echo.in_windows(generator.pair_windows())));
         };
         if chosen.precision == Precision::Double {
             let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
-            return Ok(Self::Single(SingleEcho::new(synth)));
+            return Ok(Self::Single(SingleEcho::new(synth.in_windows(generator.pair_windows()))));
         }
         let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
-        let synth = synth.grouped(&generator.channel_groups());
+        let synth = synth.grouped(&generator.channel_groups()).in_windows(generator.pair_windows());
         let hold_pulses = generator.hold_pulses();
         Ok(Self::Fast(Box::new(BlockEcho::new(synth, chosen, pulses, hold_pulses)?)))
     }
@@ -250,11 +251,14 @@ impl PulseFactory {
         if targets == 0 {
             return 0;
         }
-        let opens_s = pulse.window_start_s;
-        let closes_s = opens_s + self.layout.samples as f64 / self.sample_rate_hz;
-        let whole = |delay_s: &&f64| (opens_s..=closes_s - self.waveform.duration_s()).contains(*delay_s);
-        let pairs = pulse.target_delay_s.chunks_exact(targets);
-        pairs.map(|delays_s| delays_s.iter().filter(whole).count()).max().unwrap_or(0)
+        let window_s = self.layout.samples as f64 / self.sample_rate_hz;
+        let pairs = pulse.target_delay_s.chunks_exact(targets).zip(self.generator.pairs());
+        let whole = |(delays_s, pair): (&[f64], &Pair)| {
+            let opens_s = pulse.window_start_of(pair.receiver);
+            let latest_s = opens_s + window_s - self.waveform.duration_s();
+            delays_s.iter().filter(|delay_s| (opens_s..=latest_s).contains(*delay_s)).count()
+        };
+        pairs.map(whole).max().unwrap_or(0)
     }
 
     /// Targets that the earth hides from an antenna at a pulse.
@@ -357,7 +361,7 @@ impl PulseFactory {
         match (&self.echo, of_echo) {
             (Echo::Reference(echo), EchoWork::Reference(paths)) => {
                 self.generator.pulse(index, generator, paths, pulse)?;
-                echo.spectrum(paths, pulse.window_start_s, spectrum);
+                echo.spectrum_in(paths, pulse.window_starts_s(), spectrum);
                 generator.costs.lap(Stage::Spread);
                 generator.costs.accumulated(paths.len() * self.layout.pairs);
             }
@@ -372,8 +376,8 @@ impl PulseFactory {
         self.ships.record(pulse);
         if let Some(running) = &self.clocks {
             // Echoes were made for the window as it is; recorded is what the clocks say.
-            pulse.window_start_s = self.generator.nominal_start_of(index)?;
-            running.channels(index, pulse.window_start_s, clocks);
+            self.generator.record_nominal(pulse)?;
+            running.channels(index, pulse.window_starts_s(), clocks);
         }
         self.receiver.receive_by(clocks, spectrum, pulse, receiver);
         if let Some(made) = &self.generators {
