@@ -64,7 +64,7 @@ fn scene(facets: usize) -> Scene {
         platforms: vec!["aircraft".into()],
         radar: Radar {
             transmitters: vec![Transmitter { name: "tx".into(), power_w: 1.0, antenna: antenna.clone() }],
-            receivers: vec![Receiver { name: "rx".into(), antenna }],
+            receivers: vec![Receiver { name: "rx".into(), antenna, gate: None }],
             channels: channels
                 .map(|(rx, tx)| Channel {
                     name: format!("{}{}", rx.letter(), tx.letter()),

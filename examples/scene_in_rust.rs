@@ -57,7 +57,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
         radar: Radar {
             noise_figure_db: Some(4.0),
             transmitters: vec![Transmitter { name: "tx".into(), power_w: 1000.0, antenna: antenna.clone() }],
-            receivers: vec![Receiver { name: "rx".into(), antenna }],
+            receivers: vec![Receiver { name: "rx".into(), antenna, gate: None }],
             channels: vec![vv],
             ..Radar::new(
                 10e9,

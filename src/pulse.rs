@@ -53,6 +53,8 @@ pub struct Layout {
     pub targets: usize,
     /// Transmitter-receiver pairs in the truth record.
     pub pairs: usize,
+    /// Receivers with windows of their own; 0 where all receive in the same.
+    pub windows: usize,
     /// Ships in the truth record.
     pub ships: usize,
     /// Clocks in the truth record.
@@ -143,8 +145,11 @@ pub struct Pulse {
     pub index: u64,
     /// Exact emission time, UTC.
     pub time: TimeTag,
-    /// First sample after the emission, seconds (not on any sample grid).
+    /// First sample after the emission, seconds (not on any sample grid): of all receivers, or of that of
+    /// the first channel.
     pub window_start_s: f64,
+    /// The same of every receiver; empty where all have the same.
+    pub receiver_window_start_s: Vec<f64>,
     /// See [`flags`].
     pub flags: u32,
     /// What was radiated: 0 all ports at once, 1 H, 2 V, 3 right, 4 left circular.
@@ -200,6 +205,7 @@ impl Pulse {
             index: 0,
             time: TimeTag::default(),
             window_start_s: 0.0,
+            receiver_window_start_s: vec![0.0; layout.windows],
             flags: 0,
             tx_pol: 0,
             samples: match layout.format {
@@ -219,11 +225,25 @@ impl Pulse {
         }
     }
 
+    /// Start of the window of a receiver after the emission, s.
+    pub fn window_start_of(&self, receiver: usize) -> f64 {
+        self.receiver_window_start_s.get(receiver).copied().unwrap_or(self.window_start_s)
+    }
+
+    /// Starts of all windows after the emission, s: one for all receivers, or one for each.
+    pub fn window_starts_s(&self) -> &[f64] {
+        match self.receiver_window_start_s.as_slice() {
+            [] => std::slice::from_ref(&self.window_start_s),
+            each => each,
+        }
+    }
+
     /// Overwrites this slot with another of the same layout, without allocating.
     pub fn copy_from(&mut self, other: &Self) {
         self.index = other.index;
         self.time = other.time;
         self.window_start_s = other.window_start_s;
+        self.receiver_window_start_s.clone_from(&other.receiver_window_start_s);
         self.flags = other.flags;
         self.tx_pol = other.tx_pol;
         match (&mut self.samples, &other.samples) {
@@ -256,6 +276,7 @@ impl Layout {
             + 2 * self.platforms * std::mem::size_of::<PlatformRecord>()
             + self.antennas * std::mem::size_of::<AntennaRecord>()
             + 16 * self.targets * self.pairs
+            + 8 * self.windows
             + 56 * self.ships
             + 8 * self.clocks
     }

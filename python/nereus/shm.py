@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 __all__ = ["SharedPulse", "Subscription", "subscribe"]
 
-VERSION = 1
+# 2: receivers have windows of their own.
+VERSIONS = (1, 2)
 # How long to sleep while there is no pulse, s.
 NAP_S = 0.0002
 # A reported state in shared memory.
@@ -56,7 +57,7 @@ class Header(ctypes.Structure):
         ("sample_format", ctypes.c_uint8),
         ("tx_pol", ctypes.c_uint8),
         ("end", ctypes.c_uint8),
-        ("reserved", ctypes.c_uint8),
+        ("windows", ctypes.c_uint8),
     ]
 
     @staticmethod
@@ -71,30 +72,37 @@ class SharedPulse:
     A subscriber may hold four pulses at a time: copy what you keep longer (`pulse.iq.copy()`).
     """
 
-    def __init__(self, sample: Any, header: Header, platforms: list[str]) -> None:
+    def __init__(self, sample: Any, header: Header, run: dict[str, Any]) -> None:
         self.index: int = header.index
         self.sequence: int = header.sequence
         self.time_ns: int = header.time_ns
         self.time_frac_ns: float = header.time_frac_ns
         self.window_start_s: float = header.window_start_s
+        """First sample after the emission: of all channels, or of the first."""
         self.flags: int = header.flags
         self.tx_pol: int = header.tx_pol
         self.adc_step: float | None = header.adc_step if header.sample_format == 1 else None
         shape = (header.channels, header.samples)
         samples = shape[0] * shape[1] * (4 if header.sample_format == 1 else 8)
         # The length by the header: that of iceoryx2's Slice counts bytes or elements, by its version.
-        length = header.platforms * STATE.itemsize + samples
+        behind = -(-samples // 8) * 8
+        length = header.platforms * STATE.itemsize + behind + 8 * header.windows
         block = (ctypes.c_uint8 * length).from_address(sample.payload().as_ptr())
         block.sample = sample  # type: ignore[attr-defined]  # arrays keep the block, the block keeps the sample
         data = np.frombuffer(block, np.uint8)
         data.flags.writeable = False
         states = data[: header.platforms * STATE.itemsize].view(STATE)
-        self.reported: dict[str, Any] = dict(zip(platforms, states))
+        windows = data[length - 8 * header.windows :].view("=f8")
+        alike = np.full(len(run.get("receivers", [])), self.window_start_s)
+        self.receiver_window_start_s: NDArray[np.float64] = windows if header.windows else alike
+        """The same of every receiver, in the order of the run's description."""
+        self.reported: dict[str, Any] = dict(zip(run.get("platforms", []), states))
         """What each platform reports: `position_m`, `velocity_mps`, `attitude_quat`, `age_s`, `flags`."""
+        samples_at = data[states.nbytes : states.nbytes + samples]
         if header.sample_format == 1:
-            self.iq: NDArray[Any] = data[states.nbytes :].view("=i2").reshape(*shape, 2)
+            self.iq: NDArray[Any] = samples_at.view("=i2").reshape(*shape, 2)
         else:
-            self.iq = data[states.nbytes :].view(np.complex64).reshape(shape)
+            self.iq = samples_at.view(np.complex64).reshape(shape)
         """`[channel, sample]` complex64 in sqrt(W), or ADC codes `[channel, sample, 2]` int16."""
 
     def volts(self) -> NDArray[np.complex64]:
@@ -187,8 +195,8 @@ class Subscription(Iterator[SharedPulse]):
 
     def _take(self, sample: Any) -> SharedPulse | None:
         header: Header = sample.user_header().contents
-        if header.version != VERSION:
-            raise ValueError(f"shared memory service '{self.service}': version {header.version}, not {VERSION}")
+        if header.version not in VERSIONS:
+            raise ValueError(f"shared memory service '{self.service}': version {header.version}, not one of {VERSIONS}")
         if self._expected is not None and self._expected[0] == header.source:
             self.missed += header.sequence - self._expected[1]
         self._expected = (header.source, header.sequence + 1)
@@ -196,8 +204,7 @@ class Subscription(Iterator[SharedPulse]):
             self.ending = "ended"
             return None
         self.received += 1
-        platforms = self.run.get("platforms", [])
-        return SharedPulse(sample, header, platforms)
+        return SharedPulse(sample, header, self.run)
 
     def __iter__(self) -> Subscription:
         return self

@@ -108,10 +108,17 @@ impl Pulse {
         self.record.time.to_unix_ns().1
     }
 
-    /// First sample minus emission, s.
+    /// First sample minus emission, s: of all channels, or of the first.
     #[getter]
     fn window_start_s(&self) -> f64 {
         self.record.window_start_s
+    }
+
+    /// The same of every receiver, float64 [receiver], in the order of the header.
+    #[getter]
+    fn receiver_window_start_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let receivers = 0..self.header.receivers.len();
+        PyArray1::from_vec(py, receivers.map(|receiver| self.record.window_start_of(receiver)).collect())
     }
 
     /// Bits of `nereus.Flag`.

@@ -221,13 +221,14 @@ fn assess<'a>(
         adequacy.ground_range_m = Some(finest_m);
     }
 
-    let opens_s = at.opens_s(first)?;
-    let window = Window::new(radar, opens_s, pulse_s);
-    let closes_s = window.close_s - pulse_s;
+    let starts_s = at.open_s(&pairs)?;
+    let opens_s = starts_s.first().copied().unwrap_or(0.0);
+    let closes_s = Window::new(radar, opens_s, pulse_s).close_s - pulse_s;
     let interval_s = 1.0 / radar.emissions.mean_prf_hz();
     let mut patch_s = [f64::INFINITY, f64::NEG_INFINITY];
     let mut held = 0_usize;
-    for ends in std::iter::once(first).chain(rest) {
+    for (ends, opens_s) in std::iter::once(first).chain(rest).zip(starts_s) {
+        let window = Window::new(radar, opens_s, pulse_s);
         for point in &points {
             let delay_s = ends.iter().map(|end| (*end - *point).norm()).sum::<f64>() / SPEED_OF_LIGHT_MPS;
             patch_s = [patch_s[0].min(delay_s), patch_s[1].max(delay_s)];

@@ -112,7 +112,10 @@ pub fn image(
     let samples = radar.window.samples;
     let echo = |pulse: usize| PulseEcho {
         emission_s: gathered.emission_s[pulse],
-        window_start_s: gathered.window_start_s[pulse],
+        window_start_s: match gathered.window_starts_s[pulse].as_slice() {
+            [all] => *all,
+            each => each[row.receiver],
+        },
         weight: 1.0,
         samples: &gathered.samples[pulse][channel * samples..(channel + 1) * samples],
     };

@@ -277,6 +277,18 @@ pub enum Problem {
         /// The polarisation.
         letter: char,
     },
+    /// A channel between ends that have nothing to do with each other.
+    #[error(
+        "receiver \"{receiver}\" does not hear transmitter \"{transmitter}\"; allowed: {heard} (its key hears)"
+    )]
+    Unheard {
+        /// The receiver.
+        receiver: String,
+        /// The transmitter.
+        transmitter: String,
+        /// What it hears.
+        heard: String,
+    },
     /// A pulse that fills the memory.
     #[error(
         "one pulse takes {bytes} bytes ({channels} channels of {samples} samples); allowed: at most {allowed}"

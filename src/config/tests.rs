@@ -14,6 +14,7 @@ use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, T
 
 mod ais;
 mod hostile;
+mod receivers;
 mod refused;
 mod changes;
 mod live;
@@ -80,6 +81,11 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
         (COASTAL, &[(track, "{ kind = 'nmea', path = 'README.md', attitude = 'constant' }")]),
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', lat_deg = 1, lon_deg = 2, lead_us = 1 }")]),
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', position_m = [0, 0, 0], lead_us = 1 }")]),
+        (COASTAL, &[("receiver.0.window", "{ start_us = 3 }"), ("receiver.0.hears", "['tower']")]),
+        (
+            COASTAL,
+            &[("receiver.0.window", "{ follow = { kind = 'at', position_m = [0, 0, 0], lead_us = 1 } }")],
+        ),
         (COASTAL, &[("receiver.0.pointing", "{ kind = 'at', lat_deg = 1, lon_deg = 2 }")]),
         (
             COASTAL,

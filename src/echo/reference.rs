@@ -108,6 +108,8 @@ pub struct ReferenceEcho {
     guard_s: f64,
     /// For each pair, its channels.
     channels_of_pair: Vec<Vec<usize>>,
+    /// Window of each pair; empty where all have the first.
+    windows: Vec<usize>,
     /// `(bin, f_k, H(f_k))` where the filter passes anything.
     bins: Vec<(usize, f64, f64)>,
     /// 1, or 0 when what moves stands still while a pulse passes.
@@ -176,6 +178,7 @@ impl ReferenceEcho {
             window_s: window_samples as f64 / sample_rate_hz,
             guard_s: f64::INFINITY,
             channels_of_pair,
+            windows: Vec::new(),
             bins,
             rate_factor: 1.0,
         }
@@ -186,6 +189,11 @@ impl ReferenceEcho {
     pub fn neglect_intra_pulse_doppler(mut self) -> Self {
         self.rate_factor = 0.0;
         self
+    }
+
+    /// The same for pairs whose windows are these of several.
+    pub fn in_windows(self, of_pairs: Vec<usize>) -> Self {
+        Self { windows: of_pairs, ..self }
     }
 
     /// Length N of the transform, samples.
@@ -200,10 +208,17 @@ impl ReferenceEcho {
 
     /// `S[k]` of every channel, `[channel][bin]`, overwritten; `sqrt(W) s`.
     pub fn spectrum(&self, paths: &ScattererPaths, window_start_s: f64, out: &mut [Complex64]) -> Coverage {
+        self.spectrum_in(paths, &[window_start_s], out)
+    }
+
+    /// The same with windows that start at these times after the emission, s: one for all pairs, or several
+    /// ([`Self::in_windows`]).
+    pub fn spectrum_in(&self, paths: &ScattererPaths, starts_s: &[f64], out: &mut [Complex64]) -> Coverage {
         out.fill(Complex64::ZERO);
         let mut coverage = Coverage::default();
         let pulse_s = self.waveform.duration_s();
         for (pair, channels) in self.channels_of_pair.iter().enumerate() {
+            let window_start_s = of_window(starts_s, &self.windows, pair).copied().unwrap_or(f64::NAN);
             for n in 0..paths.len() {
                 let delay_s = paths.delay_s[pair][n];
                 let place_s = paths.emission_offset_s[n] + delay_s - window_start_s;
@@ -263,6 +278,14 @@ pub fn raw_samples(
             let t_s = (j as f64 / sample_rate_hz - place_s) / (1.0 + rate);
             *sample += amplitude * waveform.sample(t_s) * phasor(-shift_hz * t_s);
         }
+    }
+}
+
+/// What a pair has of what is one for all pairs, or one for each window.
+pub(super) fn of_window<'a, T>(all: &'a [T], windows: &[usize], pair: usize) -> Option<&'a T> {
+    match all {
+        [one] => Some(one),
+        _ => all.get(windows.get(pair).copied().unwrap_or(0)),
     }
 }
 

@@ -92,7 +92,7 @@ impl Burst {
         }
         self.windows[place].clear();
         self.windows[place].extend_from_slice(ranges.window(pulse, self.channel));
-        self.starts_s.push_back(pulse.window_start_s);
+        self.starts_s.push_back(ranges.opens_s(pulse, self.channel));
     }
 
     /// Whether there are enough pulses for a map.

@@ -39,6 +39,8 @@ pub struct Ranges {
     step: f32,
     codes: bool,
     window: Vec<Complex32>,
+    /// Receiver of each channel.
+    receivers: Vec<usize>,
 }
 
 impl Ranges {
@@ -63,7 +65,15 @@ impl Ranges {
             step: header.adc.map_or(1.0, |adc| adc.step) as f32,
             codes: header.adc.is_some(),
             window: Vec::with_capacity(samples),
+            receivers: (0..header.channels.len().max(header.layout.channels))
+                .map(|channel| header.receiver_of(channel).unwrap_or(0))
+                .collect(),
         })
+    }
+
+    /// Start of the window of a channel after the emission of a pulse, s.
+    pub fn opens_s(&self, pulse: &Pulse, channel: usize) -> f64 {
+        pulse.window_start_of(self.receivers.get(channel).copied().unwrap_or(0))
     }
 
     /// Columns of a row.

@@ -184,7 +184,7 @@ impl Watcher {
             let (Some(ranges), budget) = (&mut self.ranges, &mut self.line_budget) else { return };
             let Some(levels) = budget.spend(|| ranges.levels(pulse, channel)) else { return };
             self.lines[channel] = Some(Instant::now());
-            let (pulse, start_s) = (pulse.index, pulse.window_start_s - 0.5 * ranges.cell_s());
+            let (pulse, start_s) = (pulse.index, ranges.opens_s(pulse, channel) - 0.5 * ranges.cell_s());
             self.hub.state().push_row(channel, Row { number: 0, pulse, time_s, start_s, levels });
         }
     }

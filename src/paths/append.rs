@@ -15,7 +15,8 @@ use crate::geometry::horizon;
 use crate::geometry::light_time::Path;
 use crate::paths::list::ScattererPaths;
 use crate::paths::multipath::Bounce;
-use crate::pulse::costs::Costs;
+use crate::pulse::Pulse;
+use crate::pulse::costs::{Costs, Stage};
 use crate::radar::fault::RadarError;
 use crate::radar::polarisation::field;
 use crate::radar::window::Window;
@@ -24,6 +25,38 @@ use crate::scene::radar::Polarisation;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 impl PathGenerator {
+    /// Appends all that the windows of pulse `index` receive, whose own emission is at hand; returns whether
+    /// an echo of that lies partly or wholly outside.
+    pub(super) fn append_all(
+        &self,
+        index: u64,
+        windows: &[Window],
+        workspace: &mut Workspace,
+        paths: &mut ScattererPaths,
+    ) -> Result<bool, RadarError> {
+        let in_window = self.emissions_in_window(index, &workspace.own, &Window::hull(windows))?;
+        workspace.costs.lap(Stage::Record);
+        self.append_others(index, in_window.start..in_window.end.min(index), windows, workspace, paths)?;
+        let Workspace { own, other, amplitude, ships, sea, costs, places, .. } = &mut *workspace;
+        let reception = self.reception(index, index, own, windows);
+        let outside = self.append(&reception, amplitude, paths)
+            || self.ships_reach_outside(index, &reception, ships)?;
+        self.append_ships(index, &reception, (ships, amplitude), paths)?;
+        if in_window.contains(&index) {
+            self.append_sea(index, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
+        }
+        self.append_rain(index, &reception, (other, places, amplitude), paths)?;
+        self.append_others(index, in_window.start.max(index + 1)..in_window.end, windows, workspace, paths)?;
+        Ok(outside)
+    }
+
+    /// The windows of a pulse by its record, in place of those in `out`.
+    pub(super) fn recorded_windows(&self, record: &Pulse, out: &mut Vec<Window>) {
+        out.clear();
+        let starts_s = record.window_starts_s().iter();
+        out.extend(starts_s.map(|start_s| Window::new(&self.radar, *start_s, self.pulse_length_s)));
+    }
+
     /// Appends the paths of targets and the direct path of one emission; returns whether an echo lies partly
     /// or wholly outside.
     pub(super) fn append(
@@ -48,14 +81,14 @@ impl PathGenerator {
         &self,
         index: u64,
         emissions: Range<u64>,
-        window: Window,
+        windows: &[Window],
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
         let Workspace { other, amplitude, ships, sea, costs, .. } = workspace;
         for emitted in emissions {
             self.evaluate(emitted, other)?;
-            let reception = self.reception(index, emitted, other, window);
+            let reception = self.reception(index, emitted, other, windows);
             self.append(&reception, amplitude, paths);
             self.append_ships(emitted, &reception, (ships, amplitude), paths)?;
             self.append_sea(emitted, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
@@ -113,7 +146,7 @@ impl PathGenerator {
         of_pairs: &[Path],
         amplitude: &mut [Complex64],
     ) -> bool {
-        let Reception { emission, offset_s, tx_pol, window, .. } = *reception;
+        let Reception { emission, offset_s, tx_pol, .. } = *reception;
         let mut outside = false;
         let variation = emission.variation.get(point * self.plans.len()..).unwrap_or_default();
         let image = point.checked_sub(self.targets.len()).filter(|image| *image < self.images.len());
@@ -135,7 +168,7 @@ impl PathGenerator {
             if scale == 0.0 || !plan.receives(tx_pol) {
                 continue;
             }
-            let begin_s = offset_s + path.delay_s;
+            let (begin_s, window) = (offset_s + path.delay_s, reception.window(plan));
             outside |= !window.holds(begin_s);
             if window.touches(begin_s) {
                 let bounce = image.map(|image| &emission.bounces[image * self.plans.len() + pair]);

@@ -94,6 +94,8 @@ pub(super) struct RainPlan {
 struct Slot {
     /// Where antennas are when it begins, transmitters first.
     places: Vec<Point<Enu>>,
+    /// Of a pulse that is emitted then.
+    windows: Vec<Window>,
     /// Volume of a point over that which is wanted.
     coarser: f64,
 }
@@ -174,7 +176,11 @@ impl RainPlan {
     }
 
     fn no_slots(antennas: usize) -> Arc<Kept<i64, Slot>> {
-        Arc::new(Kept::new(KEPT, || Slot { places: Vec::with_capacity(antennas), coarser: 1.0 }))
+        Arc::new(Kept::new(KEPT, || Slot {
+            places: Vec::with_capacity(antennas),
+            windows: Vec::with_capacity(antennas),
+            coarser: 1.0,
+        }))
     }
 
     /// The same rain seen from other tracks.
@@ -223,7 +229,7 @@ impl Search<'_> {
 
     /// Whether any pair sees a sphere about a place.
     fn is_seen(&self, place: DVec3, radius_m: f64) -> bool {
-        let Reception { emission, window, offset_s, axes_span_s, .. } = *self.reception;
+        let Reception { emission, offset_s, axes_span_s, .. } = *self.reception;
         let transmitters = self.of.radar.transmitters.len();
         self.of.plans.iter().any(|plan| {
             let ends = [plan.pair.transmitter, transmitters + plan.pair.receiver];
@@ -232,7 +238,7 @@ impl Search<'_> {
             let lengths_m = [ways[0].length(), ways[1].length()];
             let delay_s = (lengths_m[0] + lengths_m[1]) / SPEED_OF_LIGHT_MPS;
             let slack_s = 2.0 * radius_m / SPEED_OF_LIGHT_MPS;
-            let begin_s = offset_s + delay_s;
+            let (begin_s, window) = (offset_s + delay_s, self.reception.window(plan));
             let touches = begin_s - slack_s <= window.close_s + window.guard_s
                 && begin_s + slack_s + window.pulse_s >= window.open_s - window.guard_s;
             touches
@@ -358,11 +364,15 @@ impl PathGenerator {
             let t = self.start.plus(begin_s);
             let stands = standing.stand(&self.circumstances(), t);
             stands.map_err(|failure| self.track_error(index, failure))?;
-            let window = Window::new(&self.radar, self.nominal_start_s(index, t)?, self.pulse_length_s);
+            found.windows.clear();
+            for window in 0..self.windows() {
+                let opens_s = self.nominal_start_s(window, index, t)?;
+                found.windows.push(Window::new(&self.radar, opens_s, self.pulse_length_s));
+            }
             found.places.clear();
             found.places.extend(standing.centres.iter().map(|centre| centre.position));
             let reception =
-                Reception { t, elapsed_s: begin_s, ..self.reception(index, index, standing, window) };
+                Reception { t, elapsed_s: begin_s, ..self.reception(index, index, standing, &found.windows) };
             let fits = |coarser: f64| {
                 let search =
                     Search { plan, of: self, reception: &reception, places: &found.places, coarser, slot };
@@ -423,7 +433,7 @@ impl PathGenerator {
             let path = bistatic(LightTime::Exact, tx, drop.position, drop.velocity, rx);
             paths.delay_s[pair].push(path.delay_s);
             paths.delay_rate[pair].push(path.delay_rate);
-            if !(reception.window.touches(offset_s + path.delay_s) && plan.receives(tx_pol)) {
+            if !(reception.window(plan).touches(offset_s + path.delay_s) && plan.receives(tx_pol)) {
                 continue;
             }
             let legs_m = [path.tx_leg_s, path.rx_leg_s].map(|leg_s| leg_s * SPEED_OF_LIGHT_MPS);
@@ -457,10 +467,10 @@ impl PathGenerator {
         if self.rain.is_none() {
             return Ok(());
         }
-        let Workspace { own, other, amplitude, places, .. } = workspace;
+        let Workspace { own, other, amplitude, places, windows, .. } = workspace;
         self.evaluate(index, own)?;
-        let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
-        let reception = self.reception_of_all(index, own, window);
+        self.windows_at(index, windows)?;
+        let reception = self.reception_of_all(index, own, windows);
         self.append_rain(index, &reception, (other, places, amplitude), paths)
     }
 }

@@ -103,7 +103,15 @@ pub(super) struct Reception<'a> {
     pub offset_s: f64,
     pub tx_pol: Option<Polarisation>,
     pub axes_span_s: f64,
-    pub window: Window,
+    /// One for all pairs, or one for each receiver; none: everything is received.
+    pub windows: &'a [Window],
+}
+
+impl Reception<'_> {
+    /// The window of a pair.
+    pub fn window(&self, plan: &PairPlan) -> Window {
+        self.windows.get(plan.window).copied().unwrap_or(Window::UNBOUNDED)
+    }
 }
 
 /// Motion of a facet about the instant of the fields; `drop_m` is how far the mean surface lies below the
@@ -198,8 +206,8 @@ impl Chunk {
             let path = bistatic_over(LightTime::Exact, &centres[tx], scatterer, &centres[rx]);
             let mut scale = Complex64::ZERO;
             let rx_axes = reception.emission.axes_after(rx, path.delay_s, reception.axes_span_s);
-            if plan.receives(reception.tx_pol) && reception.window.touches(reception.offset_s + path.delay_s)
-            {
+            let within = reception.window(plan).touches(reception.offset_s + path.delay_s);
+            if plan.receives(reception.tx_pol) && within {
                 let seen = visible(tx) * visible(rx);
                 let range = |leg_s: f64| leg_s * SPEED_OF_LIGHT_MPS;
                 let link = plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s));

@@ -21,7 +21,9 @@
 //! without amplitude in any channel (behind the antenna, in an exact null) are left out.
 //!
 //! The opening of the window with `Gate::Follow` is the exact light time over the aim point between the
-//! *known* positions of the first pair, less the lead; it is not rounded to samples.
+//! *known* positions of the receiver and of the first transmitter that it hears, less the lead; it is not
+//! rounded to samples. Every receiver has its own window ([`Radar::window_leads`]), and of an emission a pair
+//! receives what reaches into that of its receiver.
 //!
 //! [`PathGenerator::pulse`] depends on nothing but the pulse's index, and does not allocate once the
 //! scatterer path list has its room.
@@ -50,7 +52,7 @@
 //!     platforms: vec!["tower".into()],
 //!     radar: Radar {
 //!         transmitters: vec![Transmitter { name: "tx".into(), power_w: 1.0, antenna: mount.clone() }],
-//!         receivers: vec![Receiver { name: "rx".into(), antenna: mount }],
+//!         receivers: vec![Receiver { name: "rx".into(), antenna: mount, gate: None }],
 //!         channels: vec![Channel {
 //!             name: "HH".into(), transmitter: 0, receiver: 0, tx: Polarisation::H, rx: Polarisation::H,
 //!         }],
@@ -122,6 +124,7 @@ use crate::motion::pointing::Surroundings;
 use crate::paths::aspect::Aspect;
 use crate::paths::drops::RainPlan;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
+use crate::paths::hearing::Hearing;
 use crate::paths::heave::Heave;
 use crate::paths::hidden::Hills;
 use crate::paths::list::ScattererPaths;
@@ -156,6 +159,8 @@ const CHECKED_PULSES: u64 = 32;
 struct PairPlan {
     pair: Pair,
     link: Link,
+    /// Its window.
+    window: usize,
     /// Channels on this pair: index, transmit and receive polarisation.
     channels: Vec<(usize, Polarisation, Polarisation)>,
 }
@@ -168,13 +173,14 @@ impl PairPlan {
 }
 
 /// What every pair needs; `channel_pairs` are the pairs of the channels.
-fn pair_plans(radar: &Radar, pairs: &[Pair], channel_pairs: &[usize]) -> Vec<PairPlan> {
+fn pair_plans(radar: &Radar, pairs: &[Pair], windows: usize, channel_pairs: &[usize]) -> Vec<PairPlan> {
     pairs
         .iter()
         .enumerate()
         .map(|(index, &pair)| PairPlan {
             pair,
             link: Link::of(radar, pair.transmitter),
+            window: Radar::window_of(pair.receiver, windows),
             channels: radar
                 .channels
                 .iter()
@@ -216,6 +222,8 @@ pub struct PathGenerator {
     /// Antennas of every pair.
     ends: Vec<[usize; 2]>,
     plans: Vec<PairPlan>,
+    /// Pairs by which windows are found ([`Radar::window_leads`]).
+    leads: Vec<Pair>,
     channel_pairs: Vec<usize>,
     fastest_target_mps: f64,
     axes_span_s: f64,
@@ -238,6 +246,10 @@ pub struct Workspace {
     ships: ShipWork,
     sea: Option<SeaWork>,
     places: Vec<Point<Enu>>,
+    /// Of the pulse at hand.
+    windows: Vec<Window>,
+    /// Of the emission in the middle of a block.
+    hearing: Hearing,
     /// What this thread has spent.
     pub costs: Costs,
 }
@@ -280,7 +292,8 @@ impl PathGenerator {
                 pairs.iter().position(|&pair| pair == wanted)
             })
             .collect();
-        let plans = pair_plans(radar, &pairs, &channel_pairs);
+        let leads = radar.window_leads();
+        let plans = pair_plans(radar, &pairs, leads.len(), &channel_pairs);
         let fastest_target_mps = scene.targets.iter().map(|t| t.velocity.norm()).fold(0.0, f64::max);
         let mut built = Self {
             frame: scene.frame,
@@ -306,6 +319,7 @@ impl PathGenerator {
                 .collect(),
             pairs,
             plans,
+            leads,
             channel_pairs,
             fastest_target_mps,
             axes_span_s: 0.0,
@@ -384,7 +398,9 @@ impl PathGenerator {
         let [own, other] = [(); 2].map(|()| Emission::default());
         let places = Vec::with_capacity(self.antennas.len());
         let (stretch, ships) = (Default::default(), self.ship_work());
-        Workspace { own, other, stretch, amplitude, ships, sea: None, places, costs: Costs::default() }
+        let windows = Vec::with_capacity(self.windows());
+        let (hearing, costs) = (Hearing::default(), Costs::default());
+        Workspace { own, other, stretch, amplitude, ships, sea: None, places, windows, hearing, costs }
     }
 
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,
@@ -408,32 +424,24 @@ impl PathGenerator {
         paths.clear();
         self.evaluate(index, &mut workspace.own)?;
         self.fill_record(index, &workspace.own, record)?;
-        let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
-        let in_window = self.emissions_in_window(index, &workspace.own, &window)?;
-        workspace.costs.lap(Stage::Record);
-        self.append_others(index, in_window.start..in_window.end.min(index), window, workspace, paths)?;
-        let Workspace { own, other, amplitude, ships, sea, costs, places, .. } = &mut *workspace;
-        let reception = self.reception(index, index, own, window);
-        if self.append(&reception, amplitude, paths) || self.ships_reach_outside(index, &reception, ships)? {
+        let mut windows = std::mem::take(&mut workspace.windows);
+        self.recorded_windows(record, &mut windows);
+        let made = self.append_all(index, &windows, workspace, paths);
+        workspace.windows = windows;
+        if made? {
             record.flags |= flags::OUTSIDE_WINDOW;
         }
-        self.append_ships(index, &reception, (ships, amplitude), paths)?;
-        if in_window.contains(&index) {
-            self.append_sea(index, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
-        }
-        self.append_rain(index, &reception, (other, places, amplitude), paths)?;
-        self.append_others(index, in_window.start.max(index + 1)..in_window.end, window, workspace, paths)?;
         workspace.costs.lap(Stage::ScattererPaths);
         Ok(())
     }
 
-    /// What the window of pulse `index` meets of emission `emitted`.
+    /// What the windows of pulse `index` meet of emission `emitted`.
     fn reception<'a>(
         &'a self,
         index: u64,
         emitted: u64,
         emission: &'a Emission,
-        window: Window,
+        windows: &'a [Window],
     ) -> Reception<'a> {
         Reception {
             surroundings: self.surroundings(),
@@ -446,13 +454,18 @@ impl PathGenerator {
             offset_s: self.radar.emissions.interval_s(index, emitted),
             tx_pol: self.radar.tx_polarisation.of_pulse(emitted),
             axes_span_s: self.axes_span_s,
-            window,
+            windows,
         }
     }
 
     /// The same of its own emission, in all polarisations: what a node has, whichever pulses fill from it.
-    fn reception_of_all<'a>(&'a self, index: u64, emission: &'a Emission, window: Window) -> Reception<'a> {
-        Reception { tx_pol: None, ..self.reception(index, index, emission, window) }
+    fn reception_of_all<'a>(
+        &'a self,
+        index: u64,
+        emission: &'a Emission,
+        windows: &'a [Window],
+    ) -> Reception<'a> {
+        Reception { tx_pol: None, ..self.reception(index, index, emission, windows) }
     }
 
     /// The buffers of the sea, made unless they are there.
@@ -521,22 +534,17 @@ impl PathGenerator {
         own: &Emission,
         window: &Window,
     ) -> Result<Range<u64>, RadarError> {
-        let span = self.delay_span_s(index, own, *window)?;
+        let span = self.delay_span_s(index, own)?;
         let within = |span| self.emissions_within(index, span, self.closing_mps(&own.centres), window);
         Ok(span.map_or(index..index, within))
     }
 
     /// Bounds on all delays of an emission, s; `None` where nothing returns it.
-    fn delay_span_s(
-        &self,
-        index: u64,
-        emission: &Emission,
-        window: Window,
-    ) -> Result<Option<(f64, f64)>, RadarError> {
+    fn delay_span_s(&self, index: u64, emission: &Emission) -> Result<Option<(f64, f64)>, RadarError> {
         let elapsed_s = self.radar.emissions.interval_s(0, index);
         let targets = self.with_ships(emission.delay_span_s(), emission, elapsed_s);
         let Some(sea) = &self.sea else { return Ok(targets) };
-        let reception = self.reception(index, index, emission, window);
+        let reception = self.reception(index, index, emission, &[]);
         let patch = sea
             .patch_at(&reception.surroundings, reception.elapsed_s)
             .map_err(|failure| self.track_error(index, failure))?;

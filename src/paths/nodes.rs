@@ -9,7 +9,6 @@ use crate::paths::list::ScattererPaths;
 use crate::pulse::costs::Stage;
 use crate::pulse::{Pulse, flags};
 use crate::radar::fault::RadarError;
-use crate::radar::window::Window;
 use crate::scattering::target::most_of_run;
 use crate::scene::target::Swerling;
 use crate::scene::{Patch, Target};
@@ -34,20 +33,20 @@ impl PathGenerator {
         (power, sum)
     }
 
-    /// Start of the window of a pulse after its emission by the clocks of the radar, s.
+    /// Start of a window of a pulse after its emission, s; with clock errors, the true one.
     ///
     /// # Errors
     /// A receive window that follows a platform whose track does not cover the pulse.
-    pub fn nominal_start_of(&self, index: u64) -> Result<f64, RadarError> {
-        self.nominal_start_s(index, self.radar.emissions.emission(self.start, index))
+    pub fn window_start_of(&self, window: usize, index: u64) -> Result<f64, RadarError> {
+        self.window_start_s(window, index, self.radar.emissions.emission(self.start, index))
     }
 
-    /// Start of the window of a pulse after its emission, s; with clock errors, the true one.
+    /// The same of the window of a pair.
     ///
     /// # Errors
-    /// A receive window that follows a platform whose track does not cover the pulse.
-    pub fn window_start_of(&self, index: u64) -> Result<f64, RadarError> {
-        self.window_start_s(index, self.radar.emissions.emission(self.start, index))
+    /// Those of [`Self::window_start_of`].
+    pub fn pair_start_of(&self, pair: usize, index: u64) -> Result<f64, RadarError> {
+        self.window_start_of(self.plans.get(pair).map_or(0, |plan| plan.window), index)
     }
 
     /// Pulses for which a patch that follows stays where it is, from pulse 0 on; `None` where it stays for
@@ -80,11 +79,11 @@ impl PathGenerator {
         if index >= self.pulses {
             return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
         }
-        let Workspace { own, amplitude, ships, costs, .. } = workspace;
+        let Workspace { own, amplitude, ships, costs, windows, .. } = workspace;
         self.evaluate(index, own)?;
         self.fill_record(index, own, record)?;
-        let window = Window::new(&self.radar, record.window_start_s, self.pulse_length_s);
-        let reception = self.reception(index, index, own, window);
+        self.recorded_windows(record, windows);
+        let reception = self.reception(index, index, own, windows);
         for (point, of_pairs) in own.paths.chunks_exact(self.pairs.len().max(1)).enumerate() {
             if self.weigh(&reception, point, of_pairs, amplitude) {
                 record.flags |= flags::OUTSIDE_WINDOW;
@@ -112,7 +111,7 @@ impl PathGenerator {
         self.steady_targets(index, workspace, paths)?;
         if !self.ships.is_empty() {
             let Workspace { own, ships, .. } = workspace;
-            let reception = self.reception_of_all(index, own, Window::UNBOUNDED);
+            let reception = self.reception_of_all(index, own, &[]);
             self.append_every_panel(&reception, ships.mesh(), paths);
         }
         Ok(())
@@ -135,7 +134,7 @@ impl PathGenerator {
         paths.clear();
         self.evaluate(index, own)?;
         own.variation.clear();
-        let reception = self.reception_of_all(index, own, Window::UNBOUNDED);
+        let reception = self.reception_of_all(index, own, &[]);
         self.append_every(&reception, amplitude, paths);
         Ok(())
     }
@@ -154,7 +153,7 @@ impl PathGenerator {
         self.steady_targets(index, workspace, paths)?;
         if !self.ships.is_empty() {
             let Workspace { own, ships, .. } = workspace;
-            let reception = self.reception_of_all(index, own, Window::UNBOUNDED);
+            let reception = self.reception_of_all(index, own, &[]);
             self.append_some_panels(index, &reception, ships.mesh(), paths)?;
         }
         Ok(())
@@ -220,7 +219,7 @@ impl PathGenerator {
         }
         let Workspace { own, ships, .. } = workspace;
         self.evaluate(index, own)?;
-        let reception = self.reception_of_all(index, own, Window::UNBOUNDED);
+        let reception = self.reception_of_all(index, own, &[]);
         let targets = out.len();
         self.ship_weights(index, reception.elapsed_s, out)?;
         self.apply_gains(&reception, ships.mesh(), &mut out[targets..]);

@@ -80,9 +80,9 @@ impl PathGenerator {
         reception: &Reception,
         ShipWork { weights, .. }: &mut ShipWork,
     ) -> Result<bool, RadarError> {
-        let Reception { emission, elapsed_s, offset_s, tx_pol, window, .. } = *reception;
+        let Reception { emission, elapsed_s, offset_s, tx_pol, windows, .. } = *reception;
         let mut spans_s = self.ship_spans_s(emission, elapsed_s).flatten();
-        if spans_s.all(|delay_s| window.holds(offset_s + delay_s)) {
+        if spans_s.all(|delay_s| windows.iter().all(|window| window.holds(offset_s + delay_s))) {
             return Ok(false);
         }
         weights.clear();
@@ -92,7 +92,7 @@ impl PathGenerator {
         self.ships.visit(&scenery, &self.ends, TAU / self.radar.wavelength_m(), |found| {
             let Echoing { element, pair, path, at, matrix } = found;
             let plan = &self.plans[pair];
-            outside |= !window.holds(offset_s + path.delay_s)
+            outside |= !reception.window(plan).holds(offset_s + path.delay_s)
                 && matrix.is_some()
                 && plan.receives(tx_pol)
                 && weights[element * self.ends.len() + pair] > 0.0
@@ -135,7 +135,7 @@ impl PathGenerator {
         if self.ships.is_empty() {
             return;
         }
-        let Reception { emission, elapsed_s, offset_s, tx_pol, window, .. } = *reception;
+        let Reception { emission, elapsed_s, offset_s, tx_pol, .. } = *reception;
         let scenery = Scenery { centres: &emission.centres, frame: &self.frame, elapsed_s };
         self.ships.visit(&scenery, &self.ends, TAU / self.radar.wavelength_m(), |found| {
             let Echoing { element, pair, path, at, matrix } = found;
@@ -150,7 +150,7 @@ impl PathGenerator {
                 let scale = weight(element, pair)
                     * plan.link.scattered(range(path.tx_leg_s), range(path.rx_leg_s))
                     * self.passes_horizon_of_ship(plan, emission, at);
-                if scale != 0.0 && window.touches(offset_s + path.delay_s) {
+                if scale != 0.0 && reception.window(plan).touches(offset_s + path.delay_s) {
                     self.amplitudes(plan, (&path, None), Some(&matrix), scale, tx_pol, emission, amplitude);
                 }
             }

@@ -32,12 +32,12 @@ pub(super) fn report_steered(radar: &Radar) -> Vec<(usize, f64)> {
             note(beside(aim), *lag_s);
         }
     }
-    if let (Gate::Follow { aim, aim_from: AimFrom::Reported, .. }, Some(pair)) =
-        (&radar.window.gate, radar.pairs().first())
-    {
-        note(Some(radar.transmitters[pair.transmitter].antenna.platform), 0.0);
-        note(Some(radar.receivers[pair.receiver].antenna.platform), 0.0);
-        note(beside(aim), 0.0);
+    for pair in radar.window_leads() {
+        if let Gate::Follow { aim, aim_from: AimFrom::Reported, .. } = radar.gate(pair.receiver) {
+            note(Some(radar.transmitters[pair.transmitter].antenna.platform), 0.0);
+            note(Some(radar.receivers[pair.receiver].antenna.platform), 0.0);
+            note(beside(aim), 0.0);
+        }
     }
     found
 }
@@ -50,10 +50,12 @@ impl PathGenerator {
     /// later emissions, the longest light time, and two pulses more.
     pub fn latest_state_needed(&self, index: u64) -> TimeTag {
         let window_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
-        let opens_s = match &self.radar.window.gate {
+        let opens_s = |gate: &Gate| match gate {
             Gate::Fixed { start_s } => start_s.max(0.0),
             Gate::Follow { .. } => self.axes_span_s,
         };
+        let gates = self.leads.iter().map(|lead| self.radar.gate(lead.receiver));
+        let opens_s = gates.map(opens_s).fold(0.0, f64::max);
         let after_s = 2.0 * (self.axes_span_s + self.pulse_length_s) + opens_s + window_s + GUARD_S;
         self.radar.emissions.emission(self.start, index.saturating_add(2)).plus(after_s)
     }
@@ -126,8 +128,8 @@ impl PathGenerator {
     /// window receives was sent that much later at most, and antennas are asked where they point a time of
     /// flight after that.
     pub fn asks_ahead_s(&self, index: u64) -> f64 {
-        let opens_s = self.window_start_of(index).unwrap_or(0.0);
-        let window = Window::new(&self.radar, opens_s, self.pulse_length_s);
+        let window =
+            self.hull_at(index).unwrap_or_else(|_| Window::new(&self.radar, 0.0, self.pulse_length_s));
         (window.close_s + window.guard_s).max(0.0) + self.axes_span_s
     }
 

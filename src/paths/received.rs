@@ -65,7 +65,7 @@ impl PathGenerator {
         let (mut emission, mut found) = (Emission::default(), None::<InAir>);
         for index in if self.pulses > 0 { Some(self.checked_pulses()) } else { None }.into_iter().flatten() {
             self.evaluate(index, &mut emission)?;
-            let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
+            let window = self.hull_at(index)?;
             let of = self.emissions_in_window(index, &emission, &window)?;
             // The ends of a run lack what is before and after it.
             if !of.is_empty() {
@@ -97,28 +97,37 @@ impl PathGenerator {
         (*most <= MOST_RECEIVED).then(|| most.saturating_sub(1) + u64::from(changes))
     }
 
-    /// Finds what the pulses of a block receive, whose windows start so late after their emissions; `false`
-    /// where it is more than blocks can have, or more than the run showed.
+    /// Finds what the pulses of a block receive, whose windows start so late after their emissions, window by
+    /// window; `false` where it is more than blocks can have, or more than the run showed.
     ///
     /// # Errors
     /// A track that does not cover the block.
     pub fn received(
         &self,
         first: u64,
-        windows_s: &[f64],
+        windows_s: &[Vec<f64>],
         workspace: &mut Workspace,
         out: &mut Received,
     ) -> Result<bool, RadarError> {
-        let (at, count) = nodes_within(windows_s.len());
+        let pulses = windows_s.first().map_or(0, Vec::len);
+        let hull = |pulse: usize| {
+            let starts_s = windows_s.iter().filter_map(|of| of.get(pulse));
+            let [first_s, last_s] =
+                starts_s.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], own| [a.min(*own), b.max(*own)]);
+            let mut hull = Window::new(&self.radar, first_s, self.pulse_length_s);
+            hull.close_s = Window::new(&self.radar, last_s, self.pulse_length_s).close_s;
+            hull
+        };
+        let (at, count) = nodes_within(pulses);
         let (mut spans, mut fastest_mps) = ([None; NODES], 0f64);
         out.of_pulses.clear();
-        out.emissions = first..first + windows_s.len() as u64;
+        out.emissions = first..first + pulses as u64;
         out.alone = self.receives_itself_alone();
         for (span, place) in spans.iter_mut().zip(&at[..count]) {
             let index = first + *place as u64;
             self.evaluate(index, &mut workspace.own)?;
-            let window = Window::new(&self.radar, windows_s[*place], self.pulse_length_s);
-            *span = self.delay_span_s(index, &workspace.own, window)?;
+            let window = hull(*place);
+            *span = self.delay_span_s(index, &workspace.own)?;
             let own_mps = self.closing_mps(&workspace.own.centres);
             let of = span.map(|span| self.emissions_within(index, span, own_mps, &window));
             out.alone &= of.is_none_or(|of| of.is_empty() || of == (index..index + 1));
@@ -127,9 +136,8 @@ impl PathGenerator {
         if self.receives_itself_alone() {
             return Ok(out.alone);
         }
-        for (pulse, opens_s) in windows_s.iter().enumerate() {
-            let index = first + pulse as u64;
-            let window = Window::new(&self.radar, *opens_s, self.pulse_length_s);
+        for pulse in 0..pulses {
+            let (index, window) = (first + pulse as u64, hull(pulse));
             let after = at[..count].partition_point(|place| *place < pulse).min(count - 1);
             let before = if at[after] == pulse { after } else { after.saturating_sub(1) };
             let gap_s = |node: usize| {
@@ -164,23 +172,34 @@ impl PathGenerator {
     /// What windows receive of an emission: those of the pulses that any pulse of the run receives so late,
     /// all open as late as its own.
     pub(crate) fn hearing(&self, emission: u64) -> Result<Hearing, RadarError> {
-        let window = Window::new(&self.radar, self.window_start_of(emission)?, self.pulse_length_s);
+        let mut hearing = Hearing::default();
+        self.hearing_in(emission, &mut hearing)?;
+        Ok(hearing)
+    }
+
+    /// The same in place of what is there.
+    pub(super) fn hearing_in(&self, emission: u64, out: &mut Hearing) -> Result<(), RadarError> {
+        let Hearing { windows, of_pairs, offsets_s } = out;
+        self.windows_at(emission, windows)?;
+        of_pairs.clear();
+        of_pairs.extend(self.plans.iter().map(|plan| plan.window));
         let InAir { lags, most } = &self.in_air;
-        let mut offsets_s = Vec::new();
+        offsets_s.clear();
         if !self.receives_itself_alone() && *most <= MOST_RECEIVED {
             let pulses = lags.clone().filter_map(|lag| emission.checked_add_signed(-lag));
             let pulses = pulses.filter(|pulse| *pulse < self.pulses);
             offsets_s.extend(pulses.map(|pulse| self.radar.emissions.interval_s(pulse, emission)));
         }
-        Ok(Hearing { window, offsets_s })
+        Ok(())
     }
 
-    /// The window of a pulse where it is the only one to receive its emission, else one that holds all.
-    pub(super) fn window_or_all(&self, index: u64) -> Result<Window, RadarError> {
-        if !self.receives_itself_alone() {
-            return Ok(Window::UNBOUNDED);
+    /// The windows of a pulse where it is the only one to receive its emission, else none: all is received.
+    pub(super) fn windows_or_all(&self, index: u64, out: &mut Vec<Window>) -> Result<(), RadarError> {
+        out.clear();
+        if self.receives_itself_alone() {
+            self.windows_at(index, out)?;
         }
-        Ok(Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s))
+        Ok(())
     }
 
     /// How fast the delays of an emission may change with time, m/s.

@@ -17,7 +17,7 @@ pub struct Snapshot {
     pub index: u64,
     /// Its emission.
     pub time: TimeTag,
-    /// Start of its window after the emission, s.
+    /// Start of its window after the emission, s: that of the first pair.
     pub window_start_s: f64,
     /// The facets.
     pub patch: Patch,
@@ -108,9 +108,11 @@ impl PathGenerator {
         let Some(sea) = &self.sea else { return Ok(None) };
         let Some(work) = self.sea_work(sea, work) else { return Ok(None) };
         self.evaluate(index, own)?;
-        let window_start_s = self.window_start_s(index, self.radar.emissions.emission(self.start, index))?;
-        let window = Window::new(&self.radar, window_start_s, self.pulse_length_s);
-        let reception = self.reception(index, index, own, Window::UNBOUNDED);
+        let mut windows = Vec::new();
+        self.windows_at(index, &mut windows)?;
+        let windows: Vec<Window> = self.plans.iter().map(|plan| windows[plan.window]).collect();
+        let window_start_s = windows.first().map_or(0.0, |window| window.open_s);
+        let reception = self.reception(index, index, own, &[]);
         let facets = sea.patch.len();
         let patch = sea
             .patch_at(&reception.surroundings, reception.elapsed_s)
@@ -132,7 +134,7 @@ impl PathGenerator {
                     let delay_s = columns.delay_s[place];
                     snapshot.delay_s[pair][facet] = delay_s;
                     snapshot.delay_rate[pair][facet] = columns.delay_rate[place];
-                    snapshot.received[pair][facet] = self.received_later(index, &window, delay_s);
+                    snapshot.received[pair][facet] = self.received_later(index, &windows[pair], delay_s);
                 }
                 for (column, amplitude) in snapshot.amplitude.iter_mut().zip(&chunk.amplitude) {
                     column[facet] = amplitude[place];

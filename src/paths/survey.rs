@@ -6,7 +6,7 @@ use crate::frames::Earth;
 use crate::geometry::horizon;
 use crate::paths::emission::Emission;
 use crate::radar::fault::{RadarError, RadarFault, TrackUse, mounts};
-use crate::radar::window::{GUARD_SAMPLES, Window, far_guard_samples};
+use crate::radar::window::{GUARD_SAMPLES, far_guard_samples};
 use crate::scattering::target::Scatterer;
 use crate::scene::radar::{Aim, AimFrom, Pointing};
 use crate::scene::sea::PatchPlace;
@@ -45,13 +45,11 @@ impl PathGenerator {
         }
         for index in self.checked_pulses() {
             self.evaluate(index, &mut emission)?;
-            let window = Window::new(&self.radar, 0.0, self.pulse_length_s);
-            let span = self.delay_span_s(index, &emission, window)?;
+            let span = self.delay_span_s(index, &emission)?;
             longest_s = longest_s.max(span.map_or(0.0, |(_, most)| most));
             if self.radar.rain_clutter.is_some() {
                 // Rain fills the window.
-                let length_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
-                longest_s = longest_s.max(self.window_start_of(index)? + length_s);
+                longest_s = longest_s.max(self.hull_at(index)?.close_s);
             }
         }
         Ok(longest_s)
@@ -66,8 +64,8 @@ impl PathGenerator {
         }
         for index in self.checked_pulses() {
             self.evaluate(index, &mut emission)?;
-            let window = Window::new(&self.radar, self.window_start_of(index)?, self.pulse_length_s);
-            let span = self.delay_span_s(index, &emission, window)?;
+            let window = self.hull_at(index)?;
+            let span = self.delay_span_s(index, &emission)?;
             let first_s = window.open_s - window.guard_s - window.pulse_s;
             // A window may hold the next emission's echoes from near by.
             let next_s = self.radar.emissions.interval_s(index, index + 1);

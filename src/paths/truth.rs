@@ -11,6 +11,7 @@ use crate::motion::track::State;
 use crate::paths::emission::{Emission, TrackFailure};
 use crate::pulse::{PlatformRecord, Pulse};
 use crate::radar::fault::{RadarError, TrackUse, mounts};
+use crate::radar::window::Window;
 use crate::scene::radar::{AntennaMount, Gate, Polarisation};
 use crate::time::TimeTag;
 
@@ -72,24 +73,29 @@ impl PathGenerator {
                 *x_s = clocks.reading(clock, index)[0];
             }
         }
-        record.window_start_s = self.window_start_s(index, t)?;
+        for (window, start_s) in record.receiver_window_start_s.iter_mut().enumerate() {
+            *start_s = self.window_start_s(window, index, t)?;
+        }
+        record.window_start_s = self.window_start_s(self.first_window(), index, t)?;
         Ok(())
     }
 
-    /// Start of the window after the emission at `t`, s: earlier than nominal by what the clocks are wrong.
-    pub(super) fn window_start_s(&self, index: u64, t: TimeTag) -> Result<f64, RadarError> {
-        let nominal_s = self.nominal_start_s(index, t)?;
+    /// Start of a window after the emission at `t`, s: earlier than nominal by what the clocks are wrong.
+    pub(super) fn window_start_s(&self, window: usize, index: u64, t: TimeTag) -> Result<f64, RadarError> {
+        let nominal_s = self.nominal_start_s(window, index, t)?;
         let Some(clocks) = &self.clocks else { return Ok(nominal_s) };
-        Ok(nominal_s - clocks.window_shift_s(index, nominal_s))
+        Ok(nominal_s - clocks.window_shift_s(window, index, nominal_s))
     }
 
     /// The same by the clocks of the radar: what is recorded.
-    pub(super) fn nominal_start_s(&self, index: u64, t: TimeTag) -> Result<f64, RadarError> {
-        let (aim, lead_s, aim_from) = match &self.radar.window.gate {
+    pub(super) fn nominal_start_s(&self, window: usize, index: u64, t: TimeTag) -> Result<f64, RadarError> {
+        let lead = self.leads.get(window);
+        let gate = lead.map_or(&self.radar.window.gate, |lead| self.radar.gate(lead.receiver));
+        let (aim, lead_s, aim_from) = match gate {
             Gate::Fixed { start_s } => return Ok(*start_s),
             Gate::Follow { aim, lead_s, aim_from } => (aim, *lead_s, *aim_from),
         };
-        let Some(pair) = self.pairs.first() else { return Ok(-lead_s) };
+        let Some(pair) = lead else { return Ok(-lead_s) };
         let failed = |platform| {
             move |source| self.track_error(index, TrackFailure { platform, which: aim_from.into(), source })
         };
@@ -103,6 +109,58 @@ impl PathGenerator {
         let beside = beside(aim).unwrap_or(0);
         let (position, velocity) = self.surroundings().aim_point(aim, aim_from, t).map_err(failed(beside))?;
         Ok(bistatic(LightTime::Exact, &tx, position, velocity, &rx).delay_s - lead_s)
+    }
+
+    /// How many windows there are: one for all receivers, or one for each.
+    pub fn windows(&self) -> usize {
+        self.leads.len().max(1)
+    }
+
+    /// The window of each pair.
+    pub fn pair_windows(&self) -> Vec<usize> {
+        self.plans.iter().map(|plan| plan.window).collect()
+    }
+
+    /// That of the first pair.
+    fn first_window(&self) -> usize {
+        self.plans.first().map_or(0, |plan| plan.window)
+    }
+
+    /// All windows of a pulse, as they are, in place of those in `out`.
+    pub(super) fn windows_at(&self, index: u64, out: &mut Vec<Window>) -> Result<(), RadarError> {
+        let t = self.radar.emissions.emission(self.start, index);
+        out.clear();
+        for window in 0..self.windows() {
+            let opens_s = self.window_start_s(window, index, t)?;
+            out.push(Window::new(&self.radar, opens_s, self.pulse_length_s));
+        }
+        Ok(())
+    }
+
+    /// What lies between the first start and the last end of them.
+    pub(super) fn hull_at(&self, index: u64) -> Result<Window, RadarError> {
+        let t = self.radar.emissions.emission(self.start, index);
+        let [mut first_s, mut last_s] = [self.window_start_s(0, index, t)?; 2];
+        for window in 1..self.windows() {
+            let start_s = self.window_start_s(window, index, t)?;
+            (first_s, last_s) = (first_s.min(start_s), last_s.max(start_s));
+        }
+        let [first, last] =
+            [first_s, last_s].map(|opens_s| Window::new(&self.radar, opens_s, self.pulse_length_s));
+        Ok(Window { close_s: last.close_s, ..first })
+    }
+
+    /// Writes into a record when its windows open by the clocks of the radar, in place of when they do.
+    ///
+    /// # Errors
+    /// A receive window that follows a platform whose track does not cover the pulse.
+    pub fn record_nominal(&self, record: &mut Pulse) -> Result<(), RadarError> {
+        let (index, t) = (record.index, record.time);
+        for (window, start_s) in record.receiver_window_start_s.iter_mut().enumerate() {
+            *start_s = self.nominal_start_s(window, index, t)?;
+        }
+        record.window_start_s = self.nominal_start_s(self.first_window(), index, t)?;
+        Ok(())
     }
 }
 

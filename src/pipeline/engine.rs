@@ -102,7 +102,7 @@ impl EchoWorker for ReferenceWorker<'_> {
     fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError> {
         for (index, pulse) in pulses.zip(slots) {
             kit.paths.pulse(index, &mut kit.memory, &mut self.paths, pulse)?;
-            self.echo.spectrum(&self.paths, pulse.window_start_s, &mut kit.spectrum);
+            self.echo.spectrum_in(&self.paths, pulse.window_starts_s(), &mut kit.spectrum);
             kit.memory.costs.lap(Stage::Spread);
             kit.memory.costs.accumulated(self.paths.len() * kit.paths.pairs().len());
             kit.receive(pulse)?;

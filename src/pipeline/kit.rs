@@ -61,8 +61,8 @@ impl<'f> Kit<'f> {
         reception.ships.record(pulse);
         if let Some(running) = &reception.clocks {
             // Echoes were made for the window as it is; recorded is what the clocks say.
-            pulse.window_start_s = paths.nominal_start_of(pulse.index)?;
-            running.channels(pulse.index, pulse.window_start_s, clocks);
+            paths.record_nominal(pulse)?;
+            running.channels(pulse.index, pulse.window_starts_s(), clocks);
         }
         reception.receiver.receive_by(clocks, spectrum, pulse, scratch);
         if let Some(made) = &reception.generators {

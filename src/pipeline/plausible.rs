@@ -144,12 +144,15 @@ fn targets(prepared: &Prepared) -> Result<Option<String>, BuildErrors> {
     // Distance from the window, echo and window of the nearest approach.
     let mut nearest: Vec<Option<(f64, f64, f64)>> = vec![None; scene.targets.len()];
     for at in prepared.spread(INSTANTS) {
-        let ends: Vec<[Point<Enu>; 2]> = pairs.iter().filter_map(|pair| at.ends(*pair).ok()).collect();
-        let Some(Ok(opens_s)) = ends.first().map(|first| at.opens_s(first)) else { continue };
+        let Ok(starts_s) = at.open_s(&pairs) else { continue };
+        let ends =
+            pairs.iter().zip(starts_s).filter_map(|(pair, opens_s)| Some((at.ends(*pair).ok()?, opens_s)));
+        let ends: Vec<([Point<Enu>; 2], f64)> = ends.collect();
         let since_s = at.time.since(scene.start);
         for (target, nearest) in scene.targets.iter().zip(&mut nearest) {
             let place = target.position + target.velocity * since_s;
-            for ends in &ends {
+            for (ends, opens_s) in &ends {
+                let opens_s = *opens_s;
                 let path_m: f64 = ends.iter().map(|end| (*end - place).norm()).sum();
                 let delay_s = path_m / SPEED_OF_LIGHT_MPS;
                 // The window may hold the echo of another emission: the one nearest to its middle.

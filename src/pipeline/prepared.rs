@@ -17,7 +17,7 @@ use crate::motion::track::{State, TrackError};
 use crate::radar::waveform::{self, Waveform, WaveformError};
 use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pair};
 use crate::scene::sea::{PatchPlace, Sea};
-use crate::scene::{Patch, Scene};
+use crate::scene::{Patch, Radar, Scene};
 use crate::sea::fleet::FleetErrors;
 use crate::sea::realise::{RealiseError, Realised, realise};
 use crate::time::TimeTag;
@@ -255,13 +255,22 @@ impl<'a> Moment<'a> {
         Ok([transmitter.position, receiver.position])
     }
 
-    /// When the window opens after the emission, by the antennas of a pair, s.
-    pub fn opens_s(&self, ends: &[Point<Enu>; 2]) -> Result<f64, BuildError> {
-        match &self.scene().radar.window.gate {
+    /// When the windows of some pairs open after the emission, s.
+    pub fn open_s(&self, pairs: &[Pair]) -> Result<Vec<f64>, BuildError> {
+        let radar = &self.scene().radar;
+        let leads = radar.window_leads();
+        let opens_s = leads.iter().map(|lead| self.opens_s(*lead)).collect::<Result<Vec<f64>, _>>()?;
+        let of = |pair: &Pair| opens_s.get(Radar::window_of(pair.receiver, leads.len())).copied();
+        Ok(pairs.iter().filter_map(of).collect())
+    }
+
+    /// When a window opens after the emission, by the ends of a pair, s.
+    fn opens_s(&self, pair: Pair) -> Result<f64, BuildError> {
+        match self.scene().radar.gate(pair.receiver) {
             Gate::Fixed { start_s } => Ok(*start_s),
             Gate::Follow { aim, lead_s, aim_from } => {
                 let (point, _) = self.aim_point(aim, *aim_from)?;
-                let path_m: f64 = ends.iter().map(|end| (*end - point).norm()).sum();
+                let path_m: f64 = self.ends(pair)?.iter().map(|end| (*end - point).norm()).sum();
                 Ok(path_m / SPEED_OF_LIGHT_MPS - lead_s)
             }
         }

@@ -62,14 +62,14 @@ impl EchoWorker for SingleWorker<'_> {
         for (index, pulse) in pulses.zip(slots) {
             let Kit { paths: generator, memory, spectrum, .. } = &mut *kit;
             generator.pulse(index, memory, paths, pulse)?;
-            let (start_s, costs) = (pulse.window_start_s, &mut memory.costs);
+            let (starts_s, costs) = (pulse.window_starts_s(), &mut memory.costs);
             let found = if let (Some(band_hz), Some(bands)) = (synth.settings().band_hz, bands.as_mut()) {
-                let found = synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
+                let found = synth.pulse_in_bands(paths, starts_s, band_hz, bands, spectrum)?;
                 costs.lap(Stage::Spread);
                 check(found)?;
                 found
             } else {
-                synth.fill(&[Node { pulse: 0, paths }], &[start_s], block)?;
+                synth.fill_in(&[Node { pulse: 0, paths }], starts_s.as_chunks::<1>().0, block)?;
                 check(block.found())?;
                 costs.lap(Stage::Fill);
                 synth.spread(block, grids);

@@ -39,6 +39,7 @@ use crate::radar::fault::RadarError;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::Waveform;
 use crate::scene::calibration::Calibration;
+use crate::scene::radar::Pair;
 use crate::scene::{Radar, Scene};
 use crate::sea::land::Dem;
 
@@ -73,16 +74,16 @@ pub(crate) fn engine(
     let Some(Plan { chosen, .. }) = plan else {
         let (pairs, guard) = (of_channels.to_vec(), generator.guard_samples());
         let echo = ReferenceEcho::with_guard(waveform, carrier_hz, rate_hz, samples, pairs, guard);
-        return Ok(Arc::new(echo));
+        return Ok(Arc::new(echo.in_windows(generator.pair_windows())));
     };
     Ok(match chosen.precision {
         Precision::Double => {
             let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
-            Arc::new(SingleEcho::new(synth))
+            Arc::new(SingleEcho::new(synth.in_windows(generator.pair_windows())))
         }
         Precision::Single => {
             let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
-            let synth = synth.grouped(&generator.channel_groups());
+            let synth = synth.grouped(&generator.channel_groups()).in_windows(generator.pair_windows());
             Arc::new(BlockEcho::new(synth, chosen, pulses, generator.hold_pulses())?)
         }
     })
@@ -270,11 +271,14 @@ impl PulseFactory {
         if targets == 0 {
             return 0;
         }
-        let opens_s = pulse.window_start_s;
-        let closes_s = opens_s + self.layout.samples as f64 / self.sample_rate_hz;
-        let whole = |delay_s: &&f64| (opens_s..=closes_s - self.waveform.duration_s()).contains(*delay_s);
-        let pairs = pulse.target_delay_s.chunks_exact(targets);
-        pairs.map(|delays_s| delays_s.iter().filter(whole).count()).max().unwrap_or(0)
+        let window_s = self.layout.samples as f64 / self.sample_rate_hz;
+        let pairs = pulse.target_delay_s.chunks_exact(targets).zip(self.generator.pairs());
+        let whole = |(delays_s, pair): (&[f64], &Pair)| {
+            let opens_s = pulse.window_start_of(pair.receiver);
+            let latest_s = opens_s + window_s - self.waveform.duration_s();
+            delays_s.iter().filter(|delay_s| (opens_s..=latest_s).contains(*delay_s)).count()
+        };
+        pairs.map(whole).max().unwrap_or(0)
     }
 
     /// Targets that the earth hides from an antenna at a pulse.

@@ -10,8 +10,8 @@ use crate::time::TimeTag;
 pub struct Gathered {
     /// Emission of each pulse, s after that of the first.
     pub emission_s: Vec<f64>,
-    /// First sample after the emission, s.
-    pub window_start_s: Vec<f64>,
+    /// First sample after the emission, s: one for all receivers, or one for each.
+    pub window_starts_s: Vec<Vec<f64>>,
     /// What was radiated, see [`Pulse::tx_pol`].
     pub tx_pol: Vec<u8>,
     /// True phase centres, ENU metres, `[pulse][transmitters, then receivers]`.
@@ -26,7 +26,7 @@ impl Gathered {
     pub fn push(&mut self, pulse: &Pulse) {
         let begin = *self.first.get_or_insert(pulse.time);
         self.emission_s.push(pulse.time.since(begin));
-        self.window_start_s.push(pulse.window_start_s);
+        self.window_starts_s.push(pulse.window_starts_s().to_vec());
         self.tx_pol.push(pulse.tx_pol);
         self.phase_centre_m.push(pulse.antennas.iter().map(|antenna| antenna.phase_centre_m).collect());
         self.samples.push(match &pulse.samples {

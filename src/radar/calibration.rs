@@ -203,11 +203,12 @@ impl Generators {
         scratch: &mut GeneratorScratch,
         of_receiver: &mut ReceiverScratch,
     ) {
-        let (index, window_s) = (pulse.index, pulse.window_start_s);
+        let index = pulse.index;
         let mut saturated = 0;
         for (place, generator) in self.list.iter().enumerate() {
             let channel = self.first + place;
             let Generator { of, amplitude, pulse: samples } = generator;
+            let window_s = pulse.window_start_of(of.receiver);
             let apart = |transmitter: Option<usize>| {
                 let clocks = self.clocks.as_ref();
                 clocks.map_or([0.0; 2], |clocks| clocks.apart(transmitter, of.receiver, index, window_s))

@@ -313,8 +313,13 @@ pub(crate) fn check_references(scene: &Scene, tracks: usize, faults: &mut Vec<Ra
             check(&place, "platform", *platform, platforms);
         }
     }
-    if let Gate::Follow { aim: Aim::Beside { platform, .. }, .. } = &radar.window.gate {
-        check(&|| "window".to_owned(), "platform", *platform, platforms);
+    let own = radar.receivers.iter().filter_map(|end| Some((Some(&end.name), end.gate.as_ref()?)));
+    for (receiver, gate) in std::iter::once((None, &radar.window.gate)).chain(own) {
+        if let Gate::Follow { aim: Aim::Beside { platform, .. }, .. } = gate {
+            let place =
+                || receiver.map_or("window".to_owned(), |name| format!("window of receiver '{name}'"));
+            check(&place, "platform", *platform, platforms);
+        }
     }
     if let Some(PatchPlace::Follow { aim: Aim::Beside { platform, .. }, .. }) =
         scene.sea.as_ref().map(|sea| &sea.place)

@@ -39,6 +39,15 @@ impl Window {
         Self { open_s, close_s, guard_s: GUARD_SAMPLES as f64 / radar.sample_rate_hz, pulse_s }
     }
 
+    /// What lies between the first start and the last end of some windows, one at least.
+    pub(crate) fn hull(windows: &[Self]) -> Self {
+        let mut hull = windows.first().copied().unwrap_or(Self::UNBOUNDED);
+        for other in windows {
+            (hull.open_s, hull.close_s) = (hull.open_s.min(other.open_s), hull.close_s.max(other.close_s));
+        }
+        hull
+    }
+
     /// Whether an echo that begins at `begin_s` reaches into the window.
     pub(crate) fn touches(&self, begin_s: f64) -> bool {
         begin_s <= self.close_s + self.guard_s && begin_s + self.pulse_s >= self.open_s - self.guard_s

@@ -11,7 +11,7 @@ use crate::pulse::{Pulse, SampleFormat, flags};
 use crate::recording::header::Header;
 use crate::time::TimeTag;
 
-use super::context::State;
+use super::context::{State, is_near};
 use super::open::Open;
 use super::packet::{Frame, Kind, Packet, SECOND_PS};
 use super::track::{Numbers, Track, Verdict};
@@ -101,6 +101,21 @@ pub(super) struct Found {
     pub(super) time_ps: i128,
 }
 
+/// A pulse that was handed on or given up.
+#[derive(Debug)]
+struct Closed {
+    first_ps: i128,
+    /// Of every channel, where they differ.
+    firsts_ps: Vec<i128>,
+    complete: bool,
+}
+
+/// The receiver of each channel, where these have windows of their own; else empty.
+fn receivers_apart(header: &Header) -> Vec<usize> {
+    let channels = if header.layout.windows > 0 { header.layout.channels } else { 0 };
+    (0..channels).map(|channel| header.receiver_of(channel).unwrap_or(0)).collect()
+}
+
 /// Puts pulses together and hands them on in the order of their emission.
 #[derive(Debug)]
 pub(super) struct Assembly {
@@ -112,7 +127,11 @@ pub(super) struct Assembly {
     free: Vec<Open>,
     early: VecDeque<Early>,
     found: Vec<Found>,
-    closed: VecDeque<(i128, bool)>,
+    closed: VecDeque<Closed>,
+    /// Receiver of each channel, where these have windows of their own; else empty.
+    receivers: Vec<usize>,
+    /// How far the first samples of channels lie from that of the pulse, at most.
+    spread_ps: i128,
     /// Time of the first sample of the last pulse that was closed.
     last_ps: Option<i128>,
     /// Emission of the last pulse that was closed and known.
@@ -181,6 +200,8 @@ impl Assembly {
             early: VecDeque::new(),
             found: Vec::new(),
             closed: VecDeque::with_capacity(CLOSED_PULSES),
+            receivers: receivers_apart(header),
+            spread_ps: 0,
             last_ps: None,
             last_emission: None,
             gap: false,
@@ -206,8 +227,10 @@ impl Assembly {
     pub(super) fn is_near(&self, kind: Kind, time_ps: i128) -> bool {
         let base_ps = if kind == Kind::Signal { self.base_ps } else { self.track.base_ps() };
         let is_of = |open: &Open| {
-            let at = sample_at(time_ps, open.first_ps, self.header.sample_rate_hz);
-            open.known && at.is_some_and(|at| at < self.header.layout.samples)
+            let mut firsts_ps = open.firsts_ps.iter().chain([&open.first_ps]);
+            let lies = |at: usize| at < self.header.layout.samples;
+            let rate_hz = self.header.sample_rate_hz;
+            open.known && firsts_ps.any(|first_ps| sample_at(time_ps, *first_ps, rate_hz).is_some_and(lies))
         };
         base_ps.is_none_or(|base| time_ps.saturating_sub(base).saturating_abs() <= self.track.leap_ps())
             || (kind == Kind::Signal && self.open.iter().any(is_of))
@@ -266,7 +289,11 @@ impl Assembly {
     ) -> Taken {
         let first_ps = time_ps + (state.window_start_s * SECOND_PS as f64).round() as i128;
         let [platform, of] = state.platform;
-        if platform >= of || of as usize != self.header.layout.platforms {
+        let windows = state.receiver_window_start_s.get(..self.header.layout.windows);
+        if platform >= of
+            || of as usize != self.header.layout.platforms
+            || !windows.is_some_and(|windows| windows.iter().all(is_near))
+        {
             return Taken::Stray;
         }
         // The stamp is that of the emission.
@@ -282,7 +309,7 @@ impl Assembly {
             Some(place) => place,
             None => {
                 let ahead = || self.track.is_ahead(time_ps).then_some(Taken::Ahead);
-                if let Some(taken) = self.closed(first_ps, 1).or_else(ahead) {
+                if let Some(taken) = self.closed(first_ps, 1, None).or_else(ahead) {
                     match self.follow(time_ps, done) {
                         Verdict::Waits => return taken,
                         Verdict::Moved => return Taken::Moved,
@@ -301,6 +328,9 @@ impl Assembly {
         }
         open.state(state, &self.arms);
         self.track.here(time_ps);
+        if !self.receivers.is_empty() {
+            self.place_windows(place, time_ps);
+        }
         self.hand_on(done);
         Taken::Yes
     }
@@ -328,13 +358,13 @@ impl Assembly {
             self.hand_on(done);
             return taken;
         }
-        if let Some(taken) = self.closed(time_ps, samples) {
+        if let Some(taken) = self.closed(time_ps, samples, Some(channel)) {
             return taken;
         }
         if self.base_ps.is_some_and(|base| time_ps - base > self.track.leap_ps()) {
             return Taken::Ahead;
         }
-        if begins {
+        if begins && self.receivers.is_empty() {
             // The first word of a pulse whose states are missing or still to come.
             let place = self.begin(time_ps, done);
             if let Some(open) = self.open.get_mut(place) {
@@ -370,7 +400,12 @@ impl Assembly {
         let mut double = None;
         for begun in [true, false] {
             for open in self.open.iter_mut().filter(|open| open.has(channel * samples) == begun) {
-                let Some(at) = sample_at(time_ps, open.first_ps, rate_hz).filter(fits) else { continue };
+                let first_ps = match self.receivers.is_empty() {
+                    true => Some(&open.first_ps),
+                    false => open.firsts_ps.get(channel),
+                };
+                let at = first_ps.and_then(|first_ps| sample_at(time_ps, *first_ps, rate_hz));
+                let Some(at) = at.filter(fits) else { continue };
                 let at = channel * samples + at;
                 if open.has(at) {
                     double = Some(Taken::Double);
@@ -383,17 +418,60 @@ impl Assembly {
         double
     }
 
-    /// What a packet is whose time lies in a pulse that was closed, or before all that are open.
-    fn closed(&self, time_ps: i128, samples: usize) -> Option<Taken> {
+    /// What a packet is whose time (of samples of a channel, or of the first of a pulse) lies in a pulse that
+    /// was closed, or before all that are open.
+    fn closed(&self, time_ps: i128, samples: usize, channel: Option<usize>) -> Option<Taken> {
         let rate_hz = self.header.sample_rate_hz;
-        let lies_in = |&&(first_ps, _): &&(i128, bool)| {
+        let lies_in = |closed: &&Closed| {
+            let own = channel.and_then(|channel| closed.firsts_ps.get(channel));
+            let first_ps = own.copied().unwrap_or(closed.first_ps);
             sample_at(time_ps, first_ps, rate_hz).is_some_and(|at| at < samples)
         };
-        if let Some((_, complete)) = self.closed.iter().rev().find(lies_in) {
+        if let Some(Closed { complete, .. }) = self.closed.iter().rev().find(lies_in) {
             return Some(if *complete { Taken::Double } else { Taken::Late });
         }
-        let last_ps = self.last_ps?;
-        (time_ps < last_ps).then_some(Taken::Late)
+        let spread_ps = channel.map_or(0, |_| self.spread_ps);
+        (time_ps < self.last_ps? - spread_ps).then_some(Taken::Late)
+    }
+
+    /// Finds where the samples of every channel of a pulse begin, once its state has come (stamped
+    /// `time_ps`), and takes in those that have waited for it.
+    fn place_windows(&mut self, place: usize, time_ps: i128) {
+        let Some(open) = self.open.get_mut(place) else { return };
+        if !open.firsts_ps.is_empty() {
+            return;
+        }
+        let start_ps = |receiver: &usize| {
+            let start_s = open.pulse.receiver_window_start_s.get(*receiver).copied().unwrap_or(0.0);
+            time_ps + (start_s * SECOND_PS as f64).round() as i128
+        };
+        open.firsts_ps = self.receivers.iter().map(start_ps).collect();
+        let apart_ps = open.firsts_ps.iter().map(|first_ps| (first_ps - open.first_ps).abs());
+        self.spread_ps = apart_ps.fold(self.spread_ps, i128::max);
+        let width = self.width();
+        let Some(open) = self.open.get_mut(place) else { return };
+        Self::take_early(&self.header, width, open, &mut self.early, &mut self.found);
+    }
+
+    /// Takes in what has waited for a pulse.
+    fn take_early(
+        header: &Header,
+        width: usize,
+        open: &mut Open,
+        early: &mut VecDeque<Early>,
+        found: &mut Vec<Found>,
+    ) {
+        let samples = header.layout.samples;
+        early.retain(|early| {
+            let count = early.payload.len() / width;
+            let first_ps = open.firsts_ps.get(early.channel).copied().unwrap_or(open.first_ps);
+            let at = sample_at(early.time_ps, first_ps, header.sample_rate_hz);
+            let Some(at) = at.filter(|at| at + count <= samples) else { return true };
+            open.fill(early.channel * samples + at, count, &early.payload);
+            let Early { channel, count, time_ps, .. } = *early;
+            found.push(Found { channel, count, time_ps });
+            false
+        });
     }
 
     /// Opens a pulse at its place among the others, and gives up the oldest where there are too many.
@@ -418,17 +496,10 @@ impl Assembly {
         let mut open = self.free.pop().unwrap_or_else(|| Open::new(&self.header));
         open.begin(first_ps, self.header.layout.channels * self.header.layout.samples);
         let place = self.open.partition_point(|other| other.first_ps < first_ps);
-        let (samples, width) = (self.header.layout.samples, self.width());
-        // What has waited for this pulse.
-        self.early.retain(|early| {
-            let count = early.payload.len() / width;
-            let at = sample_at(early.time_ps, first_ps, self.header.sample_rate_hz);
-            let Some(at) = at.filter(|at| at + count <= samples) else { return true };
-            open.fill(early.channel * samples + at, count, &early.payload);
-            let Early { channel, count, time_ps, .. } = *early;
-            self.found.push(Found { channel, count, time_ps });
-            false
-        });
+        if self.receivers.is_empty() {
+            let width = self.width();
+            Self::take_early(&self.header, width, &mut open, &mut self.early, &mut self.found);
+        }
         self.open.insert(place, open);
         place
     }
@@ -489,7 +560,8 @@ impl Assembly {
         if self.closed.len() >= CLOSED_PULSES {
             self.closed.pop_front();
         }
-        self.closed.push_back((open.first_ps, complete));
+        let firsts_ps = std::mem::take(&mut open.firsts_ps);
+        self.closed.push_back(Closed { first_ps: open.first_ps, firsts_ps, complete });
         if open.is_sound() {
             self.last_ps = self.last_ps.max(Some(open.first_ps));
         }

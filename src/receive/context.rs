@@ -170,6 +170,8 @@ pub struct RunDescription {
     pub software: String,
     /// Antennas, and samples of the replica, that are described; none by a sender that describes no radar.
     pub radar: Option<[u32; 2]>,
+    /// Receivers with windows of their own; 0 where all receive in the same.
+    pub windows: u32,
 }
 
 /// A channel.
@@ -188,7 +190,7 @@ pub struct ChannelDescription {
 }
 
 /// What a platform reported at a pulse, and what else is known of the pulse.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Number of the pulse.
     pub index: u64,
@@ -218,6 +220,9 @@ pub struct State {
     pub ecef_velocity_mps: [f64; 3],
     /// Body to ECEF.
     pub ecef_attitude_quat: [f64; 4],
+    /// First sample of every receiver after the emission, s, where receivers have windows of their own;
+    /// behind them what later versions add.
+    pub receiver_window_start_s: Vec<f64>,
 }
 
 impl State {
@@ -295,16 +300,18 @@ fn check_instant((seconds, fraction_s): (i64, f64)) -> Result<(), Malformed> {
     }
 }
 
+/// Whether a window is one of a pulse.
+pub(super) fn is_near(start_s: &f64) -> bool {
+    (-WINDOW_S..=WINDOW_S).contains(start_s)
+}
+
 fn state(words: &mut Words<'_>) -> Result<State, Malformed> {
     let (index, flags, place) = (words.u64()?, words.u32()?, words.u32()?);
     let window_start_s = words.f64()?;
     let emission = (words.i64()?, words.f64()?);
     let (age_s, platform_flags, platforms) = (words.f64()?, words.u32()?, words.u32()?);
     check_instant(emission)?;
-    if !(-WINDOW_S..=WINDOW_S).contains(&window_start_s) {
-        return Err(Malformed::Value("a window so far from its pulse"));
-    }
-    Ok(State {
+    let mut state = State {
         index,
         flags,
         tx_pol: (place >> 24) as u8,
@@ -319,7 +326,18 @@ fn state(words: &mut Words<'_>) -> Result<State, Malformed> {
         ecef_position_m: words.f64s()?,
         ecef_velocity_mps: words.f64s()?,
         ecef_attitude_quat: words.f64s()?,
-    })
+        receiver_window_start_s: Vec::new(),
+    };
+    // As many as the run says; later versions may add more.
+    while let (true, Ok(start_s)) =
+        (state.receiver_window_start_s.len() < radar::ANTENNAS as usize, words.f64())
+    {
+        state.receiver_window_start_s.push(start_s);
+    }
+    if !is_near(&window_start_s) {
+        return Err(Malformed::Value("a window so far from its pulse"));
+    }
+    Ok(state)
 }
 
 fn run(words: &mut Words<'_>) -> Result<RunDescription, Malformed> {
@@ -331,6 +349,10 @@ fn run(words: &mut Words<'_>) -> Result<RunDescription, Malformed> {
     let described = if words.is_empty() { None } else { Some([words.u32()?, words.u32()?]) };
     if described.is_some_and(|[antennas, replica]| antennas > radar::ANTENNAS || replica > radar::REPLICA) {
         return Err(Malformed::Value("so many antennas, or so long a replica,"));
+    }
+    let windows = if words.is_empty() { 0 } else { words.u32()? };
+    if windows > radar::ANTENNAS {
+        return Err(Malformed::Value("so many receive windows"));
     }
     let sane = |value: f64| value.is_finite() && value > 0.0;
     check_instant(start)?;
@@ -352,5 +374,6 @@ fn run(words: &mut Words<'_>) -> Result<RunDescription, Malformed> {
         seed,
         software,
         radar: described,
+        windows,
     })
 }

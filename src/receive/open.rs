@@ -14,6 +14,8 @@ use super::context::State;
 pub(super) struct Open {
     /// Time of the first sample.
     pub(super) first_ps: i128,
+    /// That of every channel, where receivers have windows of their own and these are known.
+    pub(super) firsts_ps: Vec<i128>,
     /// Whether its number is known: a state has come.
     pub(super) known: bool,
     pub(super) states: Vec<bool>,
@@ -31,6 +33,7 @@ impl Open {
         let total = layout.channels * layout.samples;
         Self {
             first_ps: 0,
+            firsts_ps: Vec::new(),
             known: false,
             states: vec![false; layout.platforms],
             got: vec![0; total.div_ceil(64)],
@@ -42,6 +45,7 @@ impl Open {
 
     pub(super) fn begin(&mut self, first_ps: i128, total: usize) {
         self.first_ps = first_ps;
+        self.firsts_ps.clear();
         self.known = false;
         self.states.fill(false);
         if let Some(words) = self.got.get_mut(std::mem::take(&mut self.touched)) {
@@ -105,9 +109,13 @@ impl Open {
 
     /// Whether a state is of the pulse that an earlier one has named.
     pub(super) fn agrees(&self, state: &State) -> bool {
-        let Pulse { index, time, window_start_s, .. } = *self.pulse;
+        let Pulse { index, time, window_start_s, ref receiver_window_start_s, .. } = *self.pulse;
         let named = (index, time, window_start_s.to_bits());
-        !self.known || named == (state.index, state.time(), state.window_start_s.to_bits())
+        let same = |(one, other): (&f64, &f64)| one.to_bits() == other.to_bits();
+        let starts_s = receiver_window_start_s.iter().zip(&state.receiver_window_start_s);
+        !self.known
+            || (named == (state.index, state.time(), state.window_start_s.to_bits()) && { starts_s }
+                .all(same))
     }
 
     /// Takes a state; `arms` are platform and lever arm of every antenna.
@@ -117,6 +125,8 @@ impl Open {
             pulse.index = state.index;
             pulse.time = state.time();
             pulse.window_start_s = state.window_start_s;
+            let starts_s = pulse.receiver_window_start_s.iter_mut().zip(&state.receiver_window_start_s);
+            starts_s.for_each(|(to, start_s)| *to = *start_s);
             pulse.flags = state.flags;
             pulse.tx_pol = state.tx_pol;
             self.known = true;

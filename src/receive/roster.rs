@@ -212,6 +212,8 @@ impl Roster {
             antennas: transmitters.len() + receivers.len(),
             targets: 0,
             pairs: 0,
+            // By whose windows samples are placed must be known by name.
+            windows: if run.windows as usize == receivers.len() { receivers.len() } else { 0 },
             ships: 0,
             clocks: 0,
         };

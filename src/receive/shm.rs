@@ -27,7 +27,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::pulse::{PlatformRecord, SampleFormat};
-use crate::sinks::description::VERSION;
+use crate::sinks::description::{VERSION, WINDOWS_VERSION};
 use crate::sinks::shm::layout::{PulseHeader, STATE_WORDS, state_of};
 use crate::sinks::shm::publisher::{Ipc, name, node};
 
@@ -58,7 +58,7 @@ pub enum ShmError {
     },
     /// Something else than pulses that this version knows.
     #[error(
-        "shared memory service '{service}': no pulses of version {VERSION}; use the same version of nereus on both sides"
+        "shared memory service '{service}': no pulses of version {VERSION} or {WINDOWS_VERSION}; use the same version of nereus on both sides"
     )]
     Foreign {
         /// Name of the service.
@@ -97,6 +97,17 @@ impl SharedPulse {
         let at = platform.checked_mul(STATE_WORDS)?;
         let states = self.sample.payload().get(..self.header().platforms as usize * STATE_WORDS)?;
         states.get(at..at + STATE_WORDS)?.try_into().ok().map(state_of)
+    }
+
+    /// Start of the window of a receiver after the emission, s, by its place in the description of the run.
+    pub fn window_start_of(&self, receiver: usize) -> f64 {
+        let (header, words) = (self.header(), self.sample.payload());
+        let own = words
+            .len()
+            .checked_sub(usize::from(header.windows))
+            .filter(|_| receiver < usize::from(header.windows));
+        let own = own.and_then(|at| words.get(at + receiver));
+        own.map_or(header.window_start_s, |word| f64::from_bits(*word))
     }
 
     /// How samples are held.
@@ -229,7 +240,8 @@ impl Subscriber {
     fn take(&mut self, sample: Sample<Ipc, [u64], PulseHeader>) -> Result<Next, ShmError> {
         let header = *sample.user_header();
         let foreign = || ShmError::Foreign { service: self.name.clone() };
-        let format = header.format().filter(|_| header.version == VERSION).ok_or_else(foreign)?;
+        let format = header.format().filter(|_| (VERSION..=WINDOWS_VERSION).contains(&header.version));
+        let format = format.ok_or_else(foreign)?;
         if header.words() != Some(sample.payload().len()) {
             return Err(foreign());
         }

@@ -65,6 +65,7 @@ fn column(description: &'static Description, header: &Header, at: usize, name: &
         "pair" => layout.pairs,
         "target" => layout.targets,
         "ship" => layout.ships,
+        "receiver" => layout.windows,
         "w-x-y-z" => 4,
         _ => 3,
     };

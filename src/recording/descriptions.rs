@@ -80,7 +80,7 @@ const NONE: &str = "none";
 
 /// Every dataset that a recording may have.
 #[rustfmt::skip]
-pub static DESCRIPTIONS: [Description; 34] = [
+pub static DESCRIPTIONS: [Description; 35] = [
     row("iq", ["pulse, channel, sample", "sqrt(W)", NONE,
         "samples at the receiver's port, complex baseband"],
         Each(Element::Cf32, |pulse, _| Values::Samples(&pulse.samples))),
@@ -95,6 +95,9 @@ pub static DESCRIPTIONS: [Description; 34] = [
         Each(Element::F64, |pulse, _| Values::F64(pulse.time.to_unix_ns().1))),
     row("pulse/window_start_s", [PULSE, "s", "the radar's clocks", "first sample minus emission"],
         Each(Element::F64, |pulse, _| Values::F64(pulse.window_start_s))),
+    row("pulse/receiver_window_start_s", ["pulse, receiver", "s", "the radar's clocks",
+        "the same of the window of every receiver, where these differ"],
+        Each(Element::F64, |pulse, _| Values::Reals(&pulse.receiver_window_start_s))),
     row("pulse/flags", [PULSE, "bits", NONE,
         "1 late, 2 after a gap, 4 ADC saturated, 8 echo of a target or direct path outside the window, \
          16 true motion extrapolated, 32 navigation stale, 64 report dropped out"],

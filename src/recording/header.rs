@@ -16,6 +16,8 @@ use crate::time::TimeTag;
 
 /// Version of the recordings' structure (HDF5 and plain), attribute `version`.
 pub const FORMAT_VERSION: u32 = 1;
+/// That of recordings whose receivers have windows of their own, which readers of version 1 would misplace.
+pub const WINDOWS_VERSION: u32 = 2;
 
 /// Latest second of an instant: some 35,000 years.
 const MOST_SECONDS: u64 = 1 << 40;
@@ -174,8 +176,20 @@ impl Header {
         [("targets", &mut self.targets), ("ships", &mut self.ships), ("clocks", &mut self.clocks)]
     }
 
-    /// Sizes of every pulse: as many of each as have names.
-    pub(super) fn count(&mut self, samples: usize, format: SampleFormat) {
+    /// The version of a recording of it.
+    pub(super) fn version(&self) -> u32 {
+        if self.layout.windows > 0 { WINDOWS_VERSION } else { FORMAT_VERSION }
+    }
+
+    /// The receiver of a channel, by its place.
+    pub fn receiver_of(&self, channel: usize) -> Option<usize> {
+        let row = self.channels.get(channel)?;
+        self.receivers.iter().position(|receiver| *receiver == row.receiver)
+    }
+
+    /// Sizes of every pulse: as many of each as have names; with a window of its own for each receiver by
+    /// the version of the recording.
+    pub(super) fn count(&mut self, version: u32, samples: usize, format: SampleFormat) {
         self.layout = Layout {
             channels: self.channels.len(),
             samples,
@@ -184,6 +198,7 @@ impl Header {
             antennas: self.transmitters.len() + self.receivers.len(),
             targets: self.targets.len(),
             pairs: self.pairs.len(),
+            windows: if version == WINDOWS_VERSION { self.receivers.len() } else { 0 },
             ships: self.ships.len(),
             clocks: self.clocks.len(),
         };

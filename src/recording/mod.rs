@@ -81,6 +81,8 @@ use source::Source;
 const AROUND: usize = 64;
 /// Longest recording, and farthest window from its emission, s.
 const LONGEST_S: f64 = 1e8;
+/// Column of the windows of receivers, where these differ.
+pub(crate) const RECEIVER_WINDOWS: &str = "pulse/receiver_window_start_s";
 /// Samples of all channels that are read at a time, bytes in the file.
 const BLOCK_BYTES: usize = 4 << 20;
 
@@ -115,7 +117,7 @@ pub struct Recording {
     pub index: Vec<u64>,
     /// Emission of each pulse in use, s after [`Self::path_s`]'s zero.
     pub emission_s: Vec<f64>,
-    /// First sample after the emission, s.
+    /// First sample after the emission, s: of all channels, or of the first ([`Self::window_start_of`]).
     pub window_start_s: Vec<f64>,
     /// Code of the polarisation that left, 0 for all.
     pub tx_pol: Vec<u8>,
@@ -286,6 +288,12 @@ impl Recording {
             let before_s = row.checked_sub(1).map(|row| path_s[row]);
             let number = index[known.start + row];
             check_instants(number, before_s, path_s[row], window_start_s[row]).map_err(foreign)?;
+            let own = numbers.get(RECEIVER_WINDOWS).map(|(width, values)| (*width, values));
+            for start_s in
+                own.and_then(|(width, values)| values.get(row * width..(row + 1) * width)).unwrap_or(&[])
+            {
+                check_instants(number, before_s, path_s[row], *start_s).map_err(foreign)?;
+            }
         }
         Ok(Self {
             index: index[used].to_vec(),
@@ -326,6 +334,15 @@ impl Recording {
         let samples = self.header.layout.samples;
         let at = (pulse * self.channels.len() + place) * samples;
         self.samples.get(at..at + samples).unwrap_or_default()
+    }
+
+    /// Start of the window of a channel after the emission of a pulse in use, s.
+    pub fn window_start_of(&self, pulse: usize, channel: usize) -> f64 {
+        let own = self.numbers.get(RECEIVER_WINDOWS).zip(self.header.receiver_of(channel));
+        let own = own.and_then(|((width, values), receiver)| {
+            values.get((self.rows.start + pulse) * width..)?.get(receiver).copied()
+        });
+        own.unwrap_or(self.window_start_s[pulse])
     }
 
     /// Whether a pulse was radiated in the polarisation of a channel.

@@ -1,6 +1,6 @@
 //! Pulses of a recording as they were released.
 
-use super::Recording;
+use super::{RECEIVER_WINDOWS, Recording};
 use crate::pulse::{Layout, PlatformRecord, Pulse, SampleFormat, Samples};
 use crate::time::TimeTag;
 
@@ -23,6 +23,7 @@ impl Recording {
         );
         slot.time = zero.plus(self.path_s[row]);
         slot.window_start_s = self.window_start_s[pulse];
+        self.fill(RECEIVER_WINDOWS, row, &mut slot.receiver_window_start_s);
         slot.tx_pol = self.tx_pol[pulse];
         slot.flags = self.flag("pulse/flags", row);
         slot.nav_arrived = None;

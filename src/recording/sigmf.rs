@@ -22,12 +22,12 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::check_instants;
 use super::columns::{Column, Rows, columns};
 use super::fault::RecordingError;
 use super::header::Header;
 use super::sha512::Sha512;
 use super::source::Source;
+use super::{RECEIVER_WINDOWS, check_instants};
 use crate::files::{self, Draft, FileFault, Holding, Recognised};
 use crate::frames::{Earth, Geodetic, Point, SceneFrame};
 use crate::inputs;
@@ -420,7 +420,8 @@ struct Block {
 
 impl Block {
     fn read(job: &Job, channel: &Channel, rows: Range<usize>) -> Result<Self, RecordingError> {
-        let row = &job.source.header().channels[channel.place];
+        let header = job.source.header();
+        let row = &header.channels[channel.place];
         let get = |name: &str| job.rows(name, rows.clone());
         let reals = |name: &str| match get(name)? {
             Rows::F64(values) => Ok(values),
@@ -443,7 +444,13 @@ impl Block {
                 _ => Vec::new(),
             },
             time_frac_ns: reals("pulse/time_frac_ns")?,
-            window_start_s: reals("pulse/window_start_s")?,
+            window_start_s: match (header.receiver_of(channel.place), job.column(RECEIVER_WINDOWS)) {
+                (Some(receiver), Some(column)) => {
+                    let all = reals(RECEIVER_WINDOWS)?;
+                    all.iter().skip(receiver).step_by(column.width()).copied().collect()
+                }
+                _ => reals("pulse/window_start_s")?,
+            },
             flags: match get("pulse/flags")? {
                 Rows::U32(values) => values,
                 _ => Vec::new(),

@@ -98,6 +98,52 @@ impl Radar {
         transmitters.chain(receivers).find(|(known, _)| *known == name).map(|(_, antenna)| antenna)
     }
 
+    /// Where the window of a receiver starts: its own gate, or that of all.
+    pub fn gate(&self, receiver: usize) -> &Gate {
+        self.receivers.get(receiver).and_then(|own| own.gate.as_ref()).unwrap_or(&self.window.gate)
+    }
+
+    /// The pair by whose ends the window of every receiver is found, receiver by receiver; a single one where
+    /// all receive in the same window, none without channels.
+    ///
+    /// It is the first of [`Self::pairs`] with a receiver of the same gate on the same platform that hears a
+    /// transmitter of the same platform first: antennas of one platform are sampled together. A receiver
+    /// without channels has the window of the first pair.
+    pub fn window_leads(&self) -> Vec<Pair> {
+        let pairs = self.pairs();
+        let Some(&first) = pairs.first() else { return Vec::new() };
+        // First pair of each receiver, in the order of these.
+        let (mut firsts, mut of_receivers) = (Vec::<Pair>::new(), vec![None; self.receivers.len()]);
+        for pair in pairs {
+            if let Some(own @ None) = of_receivers.get_mut(pair.receiver) {
+                *own = Some(pair);
+                firsts.push(pair);
+            }
+        }
+        let lead = |own: Option<Pair>| {
+            let like = own.and_then(|own| firsts.iter().find(|other| self.share_window(&own, other)));
+            like.copied().unwrap_or(first)
+        };
+        let leads: Vec<Pair> = of_receivers.into_iter().map(lead).collect();
+        if leads.iter().all(|lead| *lead == first) { vec![first] } else { leads }
+    }
+
+    /// Whether the receivers of two pairs receive in the same window, where it is found by these.
+    fn share_window(&self, one: &Pair, other: &Pair) -> bool {
+        let gates = [one, other].map(|pair| self.gate(pair.receiver));
+        let platforms = [one, other].map(|pair| {
+            let sends = self.transmitters.get(pair.transmitter).map(|end| end.antenna.platform);
+            [sends, self.receivers.get(pair.receiver).map(|end| end.antenna.platform)]
+        });
+        let fixed = matches!(gates[0], Gate::Fixed { .. });
+        gates[0] == gates[1] && (fixed || platforms[0] == platforms[1])
+    }
+
+    /// The window of a receiver among so many: its own, or that of all.
+    pub fn window_of(receiver: usize, windows: usize) -> usize {
+        if windows > 1 { receiver } else { 0 }
+    }
+
     /// The sizes of a pulse of this radar in a scene with so many platforms and targets, without ships and
     /// clocks.
     pub fn layout(&self, platforms: usize, targets: usize) -> Layout {
@@ -109,6 +155,10 @@ impl Radar {
             antennas: self.transmitters.len() + self.receivers.len(),
             targets,
             pairs: self.pairs().len(),
+            windows: match self.window_leads().len() {
+                0 | 1 => 0,
+                own => own,
+            },
             ships: 0,
             clocks: 0,
         }
@@ -266,9 +316,9 @@ impl TxPolarisation {
 /// The receive window of every pulse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// Complex samples.
+    /// Complex samples, of every receiver.
     pub samples: usize,
-    /// Where it starts.
+    /// Where it starts, unless a receiver has a gate of its own.
     pub gate: Gate,
 }
 
@@ -281,8 +331,8 @@ pub enum Gate {
         /// Start after emission, s.
         start_s: f64,
     },
-    /// `lead_s` before the first pair's echo from the aim point would begin, computed from the
-    /// reported (or true) tracks of its transmitter and receiver.
+    /// `lead_s` before the echo from the aim point would begin, computed from the reported (or true) tracks
+    /// of the receiver and of the first transmitter that it hears ([`Radar::window_leads`]).
     Follow {
         /// The ground point.
         aim: Aim,
@@ -311,6 +361,8 @@ pub struct Receiver {
     pub name: String,
     /// Its antenna.
     pub antenna: AntennaMount,
+    /// Where its window starts; `None`: as [`Radar::window`] says.
+    pub gate: Option<Gate>,
 }
 
 /// An antenna: where it sits, what it looks like, where it points.

@@ -14,6 +14,13 @@ use crate::recording::header::Header;
 
 /// Version of these texts, and of what stands beside them: key `version`.
 pub const VERSION: u32 = 1;
+/// That of runs whose receivers have windows of their own, which readers of version 1 would misplace.
+pub const WINDOWS_VERSION: u32 = 2;
+
+/// The version of the texts of a run.
+pub fn version(header: &Header) -> u32 {
+    if header.layout.windows > 0 { WINDOWS_VERSION } else { VERSION }
+}
 
 /// How samples are held, as texts name it.
 pub fn format_name(format: SampleFormat) -> &'static str {
@@ -28,7 +35,7 @@ pub fn of_run(header: &Header, source: u64) -> Value {
     let (start_ns, start_frac_ns) = header.start.to_unix_ns();
     json!({
         "format": "nereus-pulses",
-        "version": VERSION,
+        "version": version(header),
         "source": source,
         "software": header.software,
         "carrier_hz": header.carrier_hz,
@@ -69,6 +76,8 @@ struct PulseText<'a> {
     time_ns: i64,
     time_frac_ns: f64,
     window_start_s: f64,
+    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
+    receiver_window_start_s: &'a [f64],
     flags: u32,
     tx_pol: u8,
     channels: usize,
@@ -119,6 +128,7 @@ pub fn write_pulse(out: &mut Vec<u8>, header: &Header, source: u64, pulse: &Puls
         time_ns,
         time_frac_ns,
         window_start_s: pulse.window_start_s,
+        receiver_window_start_s: &pulse.receiver_window_start_s,
         flags: pulse.flags,
         tx_pol: pulse.tx_pol,
         channels: header.layout.channels,

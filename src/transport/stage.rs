@@ -15,7 +15,7 @@
 //!     Settings { pace: Pace::Fast, policy: Policy::Stop, latency_s: 0.1, ring_slots: 8, threads: 1, ..Settings::default() };
 //! let schedule = Schedule { times: PulseTimes::uniform(1000.0).unwrap(), first: 0, count: 20 };
 //! let layout = Layout { channels: 1, samples: 4, format: SampleFormat::Cf32, platforms: 0,
-//!     antennas: 0, targets: 0, pairs: 0, ships: 0, clocks: 0 };
+//!     antennas: 0, targets: 0, pairs: 0, windows: 0, ships: 0, clocks: 0 };
 //! let mut stream = Stream::new(settings, schedule, layout, Arc::new(AtomicBool::new(false)));
 //! stream.sink("count", 4, |mut feed| {
 //!     let mut last = None;

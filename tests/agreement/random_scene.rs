@@ -11,11 +11,15 @@ use std::fmt::Write as _;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::random_ends::more_ends;
+
 const LIGHT_MPS: f64 = 299_792_458.0;
 /// Keeps draws of slow time apart from those of the rest.
 const SLOW_TIME: u64 = 0x510;
 /// And those of echoes that overlap.
 const OVERLAP: u64 = 0x0E1A;
+/// And those of further transmitters and receivers.
+const ENDS: u64 = 0xE4D5;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
@@ -36,12 +40,12 @@ pub struct RandomScene {
 
 /// Where an antenna flies: at pulse 0, and how fast.
 #[derive(Clone, Copy)]
-struct Flight {
-    position_m: [f64; 3],
-    velocity_mps: [f64; 3],
+pub(super) struct Flight {
+    pub(super) position_m: [f64; 3],
+    pub(super) velocity_mps: [f64; 3],
 }
 
-struct Draw(ChaCha8Rng);
+pub(super) struct Draw(pub(super) ChaCha8Rng);
 
 impl Draw {
     fn between(&mut self, from: f64, to: f64) -> f64 {
@@ -53,11 +57,11 @@ impl Draw {
         self.between(from.ln(), to.ln()).exp()
     }
 
-    fn chance(&mut self, share: f64) -> bool {
+    pub(super) fn chance(&mut self, share: f64) -> bool {
         self.0.random_bool(share)
     }
 
-    fn one<T: Copy>(&mut self, of: &[T]) -> T {
+    pub(super) fn one<T: Copy>(&mut self, of: &[T]) -> T {
         of[(self.0.next_u64() % of.len() as u64) as usize]
     }
 
@@ -67,7 +71,7 @@ impl Draw {
 }
 
 /// What a kind of platform does.
-struct Kind {
+pub(super) struct Kind {
     name: &'static str,
     height_m: [f64; 2],
     /// Horizontal distance from the patch, over the height.
@@ -136,30 +140,32 @@ const KINDS: [Kind; 5] = [
 macro_rules! line {
     ($out:expr, $($arg:tt)*) => { writeln!($out, $($arg)*).unwrap() };
 }
+pub(super) use line;
 
 /// What is measured from where.
-struct Geometry {
-    kind: &'static Kind,
-    partner: &'static Kind,
+#[derive(Clone, Copy)]
+pub(super) struct Geometry {
+    pub(super) kind: &'static Kind,
+    pub(super) partner: &'static Kind,
     bistatic: bool,
     carrier_hz: f64,
     facet_m: f64,
     size_m: [f64; 2],
     prf_hz: f64,
-    lasts_s: f64,
-    own: Flight,
-    other: Flight,
+    pub(super) lasts_s: f64,
+    pub(super) own: Flight,
+    pub(super) other: Flight,
     /// Whether an antenna is above the patch.
     above: bool,
 }
 
 /// Waveform and receive window.
-struct Signal {
+pub(super) struct Signal {
     bandwidth_hz: f64,
-    rate_hz: f64,
+    pub(super) rate_hz: f64,
     pulse_s: f64,
     opens_s: f64,
-    samples: u64,
+    pub(super) samples: u64,
 }
 
 /// What is drawn from the whole legal range instead of what fits the platform.
@@ -200,6 +206,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
     radar(&mut draw, &mut slow, (&geometry, &signal), &mut text);
     platforms(&mut draw, &geometry, &mut text);
     antennas(&mut draw, &geometry, &mut text);
+    more_ends(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ ENDS)), (&geometry, &signal), &mut text);
     line!(text, "[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
     line!(text, "[stream]\npace = \"fast\"\nthreads = 1");
     RandomScene { family, asked_db, text }
@@ -234,7 +241,7 @@ impl Geometry {
 
     /// Least and greatest delay of the corners and the middle at both ends and in the middle of the run, with
     /// room for waves, s.
-    fn delays_s(&self) -> [f64; 2] {
+    pub(super) fn delays_s(&self) -> [f64; 2] {
         let mut places = vec![[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5], [0.0, 0.0]];
         // What lies nearest to either antenna at these times.
         for (flight, t_s) in [&self.own, &self.other].iter().flat_map(|of| [0.0, 0.5, 1.0].map(|s| (*of, s)))
@@ -261,7 +268,7 @@ impl Geometry {
 
 impl Flight {
     /// Abreast of the patch about the middle of the run.
-    fn drawn(draw: &mut Draw, kind: &Kind, lasts_s: f64) -> Self {
+    pub(super) fn drawn(draw: &mut Draw, kind: &Kind, lasts_s: f64) -> Self {
         let height_m = draw.log(kind.height_m[0], kind.height_m[1]);
         let away_m = height_m * draw.log(kind.away[0], kind.away[1]);
         let (bearing, speed_mps) = (draw.angle(), draw.between(kind.speed_mps[0], kind.speed_mps[1]));

@@ -54,7 +54,7 @@ pub fn scene(window_start_s: f64, samples: usize, prf_hz: f64, pulses: u64, targ
         radar: Radar {
             losses_db: 3.0,
             transmitters: vec![Transmitter { name: "t".into(), power_w: POWER_W, antenna: mount(0) }],
-            receivers: vec![Receiver { name: "r".into(), antenna: mount(1) }],
+            receivers: vec![Receiver { name: "r".into(), antenna: mount(1), gate: None }],
             channels: vec![channel("HH", Polarisation::H), channel("VV", Polarisation::V)],
             ..Radar::new(
                 CARRIER_HZ,

@@ -307,8 +307,8 @@ proptest! {
             let mut channels = Vec::new();
             for n in 0..50 {
                 prop_assert!(made.reading(0, n).iter().all(|x| x.is_finite()));
-                prop_assert!(made.window_shift_s(n, 18e-6).is_finite());
-                made.channels(n, 18e-6, &mut channels);
+                prop_assert!(made.window_shift_s(0, n, 18e-6).is_finite());
+                made.channels(n, &[18e-6], &mut channels);
                 prop_assert!(channels.iter().all(|c| c.turns.is_finite() && c.turns_per_sample.is_finite()));
             }
         }

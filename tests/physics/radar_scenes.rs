@@ -68,7 +68,7 @@ pub fn scene() -> Scene {
                 power_w: 1.0,
                 antenna: pointed_at(0, [0.0; 3]),
             }],
-            receivers: vec![Receiver { name: "rx".into(), antenna: pointed_at(1, [0.0; 3]) }],
+            receivers: vec![Receiver { name: "rx".into(), antenna: pointed_at(1, [0.0; 3]), gate: None }],
             channels: channels(&[(H, H), (H, V), (V, H), (V, V)]),
             ..Radar::new(
                 10e9,

@@ -18,6 +18,7 @@ mod recording_sigmf;
 mod recording_verify;
 #[cfg(all(feature = "shm", target_os = "linux"))]
 mod shm;
+mod windows;
 mod wire;
 mod wire_difi;
 mod wire_fixture;

@@ -21,7 +21,10 @@ fn full(format: SampleFormat) -> Header {
     let log = Log::default();
     let text = "clear".to_owned();
     log.enter(Entry { pulse: 1, time_ns: 0, platform: "tower".into(), text, origin: Origin::Control });
-    Header { changes: Some(Arc::new(log)), instrument: Some(instrument()), ..header(format) }
+    let mut full = Header { changes: Some(Arc::new(log)), instrument: Some(instrument()), ..header(format) };
+    // Its receiver has a window of its own.
+    full.layout.windows = 1;
+    full
 }
 
 /// The path of a dataset of the fixture as the table has it.

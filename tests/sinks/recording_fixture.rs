@@ -54,6 +54,7 @@ pub fn header(format: SampleFormat) -> Header {
             antennas: 2,
             targets: 3,
             pairs: 1,
+            windows: 0,
             ships: 2,
             clocks: 1,
         },
@@ -111,6 +112,10 @@ pub fn fill(pulse: &mut Pulse, header: &Header, n: u64) {
     pulse.index = n;
     pulse.time = PulseTimes::uniform(PRF_HZ).unwrap().emission(header.start, n);
     pulse.window_start_s = value(1);
+    // Each 6.25 us after the one before it.
+    for (receiver, start_s) in pulse.receiver_window_start_s.iter_mut().enumerate() {
+        *start_s = pulse.window_start_s + 6.25e-6 * receiver as f64;
+    }
     // The bits of the ADC and of the window: a loaded machine may add LATE.
     pulse.flags = ((n % 3) << 2) as u32;
     pulse.tx_pol = (n % 2) as u8 + 1;

@@ -20,6 +20,7 @@ pub const LAYOUT: Layout = Layout {
     antennas: 2,
     targets: 3,
     pairs: 1,
+    windows: 0,
     ships: 0,
     clocks: 0,
 };

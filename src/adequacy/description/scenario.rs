@@ -41,7 +41,7 @@ pub fn rows(run: &Run) -> Vec<Described> {
         }
     };
     let window_us = radar.window.samples as f64 / radar.sample_rate_hz * 1e6;
-    let gate = match &radar.window.gate {
+    let opens = |gate: &Gate| match gate {
         Gate::Fixed { start_s } => format!("opens {} us after the emission", neat(start_s * 1e6)),
         Gate::Follow { aim, lead_s, aim_from } => format!(
             "opens {} us before the echo of {}, from {} tracks",
@@ -50,6 +50,9 @@ pub fn rows(run: &Run) -> Vec<Described> {
             if *aim_from == AimFrom::True { "true" } else { "reported" }
         ),
     };
+    let own = radar.receivers.iter().filter_map(|end| Some((&end.name, end.gate.as_ref()?)));
+    let own = own.map(|(name, gate)| format!("; that of {name} {}", opens(gate)));
+    let gate = own.fold(opens(&radar.window.gate), |text, own| text + &own);
     let polarisation = match &radar.tx_polarisation {
         TxPolarisation::Simultaneous => "simultaneous transmit polarisations".to_owned(),
         TxPolarisation::Alternating(sequence) => {

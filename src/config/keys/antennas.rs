@@ -21,6 +21,12 @@ tables! {
         POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
         CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
         CLOCK "clock", Section(&clock::TABLE), Means("an ideal clock"), "Errors of its clock.";
+        HEARS "hears", Words { least: 0, most: 256, entry: "the name of a transmitter" }, Means("all transmitters"), "Transmitters whose echoes it records, at least one: it has channels with these alone.";
+        WINDOW "window", Section(&own_window::TABLE), Means("that of [radar.window]"), "Where its window starts, with as many samples as that of [radar.window].";
+    }
+    own_window "[receiver.window]" "Where the window of a receiver starts. Exactly one of start_us and follow." {
+        START_US "start_us", number("us", 0.0, 1e7), Means("follow is given"), "Start after the emission, not rounded to the sample grid. May exceed the pulse interval.";
+        FOLLOW "follow", Section(&follow::TABLE), Means("start_us is given"), "A window that follows the echo of an aim point.";
     }
     antenna "antenna = { ... } of [[transmitter]] and [[receiver]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
         KIND "kind", Choice(words::<PatternKind>), Required, "Kind of aperture; apertures are uniformly illuminated. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";

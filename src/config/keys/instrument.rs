@@ -12,7 +12,7 @@ tables! {
         WINDOW "window", Section(&window::TABLE), Required, "When samples are taken.";
         TX_POLARISATION "tx_polarisation", Choice(words::<TxKind>), Word("simultaneous"), "Whether all transmit polarisations leave with every pulse (each with power_w, separated without leakage), or one after the other.";
         TX_SEQUENCE "tx_sequence", Words { least: 1, most: 256, entry: "H, V, R or L" }, Means("the transmit polarisations of the channels, in order of first use"), "Alternating: transmit polarisation of pulse 0, 1, ..., repeated.";
-        CHANNELS "channels", Words { least: 1, most: 16, entry: "receive then transmit polarisation, each H, V, R or L" }, Means("[[radar.channel]] is given"), "Polarisation pairs recorded for every transmitter and receiver, e.g. [\"HH\", \"HV\", \"VH\", \"VV\"]. Exactly one of channels and [[radar.channel]].";
+        CHANNELS "channels", Words { least: 1, most: 16, entry: "receive then transmit polarisation, each H, V, R or L" }, Means("[[radar.channel]] is given"), "Polarisation pairs recorded for every receiver and transmitter that it hears, e.g. [\"HH\", \"HV\", \"VH\", \"VV\"]. Exactly one of channels and [[radar.channel]].";
         CHANNEL "channel", Sections(&channel::TABLE), Means("channels is given"), "Channels, row by row.";
         LOSSES_DB "losses_db", number("dB", 0.0, 300.0), default(0.0), "System losses of both ends, before the receiver's noise; a gain belongs to the antennas.";
         ATMOSPHERE_DB_PER_KM "atmosphere_db_per_km", number("dB/km", 0.0, 1000.0), default(0.0), "Atmospheric attenuation, one way.";
@@ -33,12 +33,12 @@ tables! {
         PATH "path", File, Required, "file: CSV lines re,im without a header.";
         RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
     }
-    window "[radar.window]" "The receive window. Exactly one of start_us and follow." {
-        SAMPLES "samples", count(1, 1 << 24), Required, "Complex samples per channel; not shorter than the pulse.";
+    window "[radar.window]" "The receive window of every receiver without one of its own. Exactly one of start_us and follow." {
+        SAMPLES "samples", count(1, 1 << 24), Required, "Complex samples per channel, of all receivers; not shorter than the pulse.";
         START_US "start_us", number("us", 0.0, 1e7), Means("follow is given"), "Start after the emission, not rounded to the sample grid. May exceed the pulse interval.";
         FOLLOW "follow", Section(&follow::TABLE), Means("start_us is given"), "A window that follows the echo of an aim point.";
     }
-    follow "[radar.window.follow]" "A window that follows the echo of an aim point." {
+    follow "[radar.window.follow] and [receiver.window.follow]" "A window that follows the echo of an aim point, by each receiver's own geometry: that of the first transmitter that it hears. Receivers on one platform are sampled together, by the first of them." {
         KIND "kind", Choice(words::<AimKind>), Required, "A point of the scene, or one beside a platform.";
         POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "at: East, North, height above the sea, at pulse 0.";
         LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "at: latitude; the point lies on the sea.";

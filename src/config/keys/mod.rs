@@ -260,6 +260,7 @@ pub static TABLES: &[&Table] = &[
     &smoothing::TABLE,
     &transmitter::TABLE,
     &receiver::TABLE,
+    &own_window::TABLE,
     &antenna::TABLE,
     &clock::TABLE,
     &pointing::TABLE,

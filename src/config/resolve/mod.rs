@@ -125,7 +125,11 @@ impl Names {
 
     /// Place of a name, faulting names that nothing has.
     fn find(&self, section: &Section<'_>, key: &'static Key) -> Option<usize> {
-        let name = section.name(key)?;
+        self.place_of(section, key, section.name(key)?)
+    }
+
+    /// The same of a name that was read.
+    fn place_of(&self, section: &Section<'_>, key: &'static Key, name: String) -> Option<usize> {
         let found = self.places.get(&name).copied();
         if found.is_none() && self.names.iter().all(Option::is_some) {
             let mut known: Vec<&str> = self.names.iter().flatten().map(String::as_str).collect();
@@ -134,6 +138,26 @@ impl Names {
             section.fault(key, Problem::NoSuch { name, what: self.what, known });
         }
         found
+    }
+
+    /// Places of the names in a list, in order; of all where there is no list, `None` for a faulty one.
+    fn find_all(&self, section: &Section<'_>, key: &'static Key) -> Option<Vec<usize>> {
+        let given = section.words(key, |word| Some(word.to_owned()));
+        if !section.has(key) {
+            return Some((0..self.names.len()).collect());
+        }
+        let given = given?;
+        if given.is_empty() {
+            let known: Vec<&str> = self.names.iter().flatten().map(String::as_str).collect();
+            let allowed = format!("one or more of {}", known.join(", "));
+            section.fault(key, Problem::Type { found: "[]".to_owned(), allowed });
+            return None;
+        }
+        let places: Vec<_> = given.into_iter().map(|name| self.place_of(section, key, name)).collect();
+        let mut places = places.into_iter().collect::<Option<Vec<usize>>>()?;
+        places.sort_unstable();
+        places.dedup();
+        Some(places)
     }
 
     /// The same where the name may be left out, if there is only one. That there is none is

@@ -7,7 +7,7 @@ use super::place::SurfaceKeys;
 use super::{Ground, Names, plausible};
 use crate::config::choices::{TxKind, WaveformKind};
 use crate::config::error::{Problem, Warning};
-use crate::config::keys;
+use crate::config::keys::{self, Key};
 use crate::config::scalars::{polarisation, polarisation_pair};
 use crate::config::section::Section;
 use crate::radar::rain::{CARRIERS_HZ, RAYLEIGH_TO_HZ};
@@ -39,14 +39,15 @@ pub(super) fn radar(
         })
         .collect();
     let mut receiver_names = Names::new("receiver");
-    let receivers: Vec<Option<Receiver>> = root
+    let (receivers, hears): (Vec<Option<Receiver>>, Vec<Option<Vec<usize>>>) = root
         .sections(&keys::root::RECEIVER)
         .into_iter()
         .map(|section| {
             receiver_names.take(&section, &keys::receiver::NAME, &[&transmitter_names]);
-            receiver(section, &receiver_names, ground, platforms, clocks)
+            let hears = transmitter_names.find_all(&section, &keys::receiver::HEARS);
+            (receiver(section, &receiver_names, ground, platforms, clocks), hears)
         })
-        .collect();
+        .unzip();
 
     use keys::radar as k;
     let section = root.section(&keys::root::RADAR)?;
@@ -60,7 +61,7 @@ pub(super) fn radar(
     };
     let window =
         section.section(&k::WINDOW).and_then(|s| window(s, sample_rate_hz, pulse_s, ground, platforms));
-    let antennas = Antennas { transmitters: &transmitter_names, receivers: &receiver_names };
+    let antennas = Antennas { transmitters: &transmitter_names, receivers: &receiver_names, hears: &hears };
     let channels = channels(&section, &antennas);
     let tx_polarisation = tx_polarisation(&section, channels.as_deref());
     let losses_db = section.number(&k::LOSSES_DB);
@@ -174,8 +175,17 @@ fn receiver(
     use keys::receiver as k;
     clocks.take(&section, &k::CLOCK, names.last(), true);
     let antenna = antenna::mount(&section, &mount_keys!(receiver), ground, platforms);
+    let own = section.has(&k::WINDOW);
+    let gate = section.section(&k::WINDOW).and_then(|section| {
+        use keys::own_window::{FOLLOW, START_US};
+        let all = "every receiver takes radar.window.samples";
+        section.idle(&[&keys::window::SAMPLES], all);
+        let gate = gate(&section, [&START_US, &FOLLOW], ground, platforms);
+        section.finish();
+        gate
+    });
     section.finish();
-    Some(Receiver { name: names.last()?, antenna: antenna? })
+    Some(Receiver { name: names.last()?, antenna: antenna?, gate: if own { Some(gate?) } else { None } })
 }
 
 fn emissions(section: &Section<'_>) -> Option<PulseTimes> {
@@ -238,14 +248,23 @@ fn window(
             section.fault(&SAMPLES, Problem::ShortWindow { samples, window_s, pulse_s, least });
         }
     }
-    let written = section.exactly_one(&[&START_US, &FOLLOW]);
-    let start_us = section.number(&START_US);
-    let follow = section.section(&FOLLOW).and_then(|s| follow(s, ground, platforms));
+    let gate = gate(&section, [&START_US, &FOLLOW], ground, platforms);
     section.finish();
+    Some(Window { samples: usize::try_from(samples?).ok()?, gate: gate? })
+}
+
+/// Where a window starts, by one of the keys.
+fn gate(
+    section: &Section<'_>,
+    [start_us, follows]: [&'static Key; 2],
+    ground: &Ground,
+    platforms: &Names,
+) -> Option<Gate> {
+    let written = section.exactly_one(&[start_us, follows]);
+    let fixed = section.number(start_us).map(|us| Gate::Fixed { start_s: us / 1e6 });
+    let follow = section.section(follows).and_then(|s| follow(s, ground, platforms));
     written?;
-    let fixed = start_us.map(|us| Gate::Fixed { start_s: us / 1e6 });
-    let gate = fixed.or(follow)?;
-    Some(Window { samples: usize::try_from(samples?).ok()?, gate })
+    fixed.or(follow)
 }
 
 fn follow(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<Gate> {
@@ -270,9 +289,33 @@ fn adc(section: Section<'_>) -> Option<Adc> {
 struct Antennas<'n> {
     transmitters: &'n Names,
     receivers: &'n Names,
+    /// Transmitters that each receiver hears; `None` where that is faulty.
+    hears: &'n [Option<Vec<usize>>],
 }
 
 impl Antennas<'_> {
+    /// Transmitters that a receiver hears; all where that is faulty, so that nothing else is at fault.
+    fn heard_by(&self, receiver: usize) -> Option<&[usize]> {
+        self.hears.get(receiver).and_then(Option::as_deref)
+    }
+
+    /// Whether a receiver hears a transmitter.
+    fn hears(&self, receiver: usize, transmitter: usize) -> bool {
+        self.heard_by(receiver).is_none_or(|heard| heard.contains(&transmitter))
+    }
+
+    /// Faults a channel of a receiver and a transmitter that it does not hear.
+    fn check_heard(&self, section: &Section<'_>, receiver: usize, transmitter: usize) {
+        let name = |names: &Names, place: usize| names.names.get(place).cloned().flatten();
+        let ends = name(self.receivers, receiver).zip(name(self.transmitters, transmitter));
+        if let (false, Some((receiver_name, transmitter))) = (self.hears(receiver, transmitter), ends) {
+            let heard = self.heard_by(receiver).unwrap_or_default().iter();
+            let heard: Vec<String> = heard.filter_map(|place| name(self.transmitters, *place)).collect();
+            let problem = Problem::Unheard { receiver: receiver_name, transmitter, heard: heard.join(", ") };
+            section.fault(&keys::channel::TRANSMITTER, problem);
+        }
+    }
+
     /// The default name of a channel: `HV`, or `HV-coast-aircraft` where there are several antennas.
     fn channel_name(
         &self,
@@ -311,7 +354,8 @@ fn channels(section: &Section<'_>, antennas: &Antennas<'_>) -> Option<Vec<Channe
     let pairs = pairs?;
     let (mut channels, mut names) = (Vec::new(), Names::new("channel"));
     for transmitter in 0..antennas.transmitters.names.len() {
-        for receiver in 0..antennas.receivers.names.len() {
+        let receivers = 0..antennas.receivers.names.len();
+        for receiver in receivers.filter(|receiver| antennas.hears(*receiver, transmitter)) {
             for &[rx, tx] in &pairs {
                 let name = antennas.channel_name(rx, tx, transmitter, receiver);
                 names.enter(section, &CHANNELS, Some(name.clone()), &[]);
@@ -332,6 +376,9 @@ fn channel(section: Section<'_>, antennas: &Antennas<'_>, names: &mut Names) -> 
     let polarisations = section.polarisations(&POLARISATION);
     let transmitter = antennas.transmitters.find_among(&section, &TRANSMITTER);
     let receiver = antennas.receivers.find_among(&section, &RECEIVER);
+    if let Some((receiver, transmitter)) = receiver.zip(transmitter) {
+        antennas.check_heard(&section, receiver, transmitter);
+    }
     let default = match (polarisations, transmitter, receiver) {
         (Some([rx, tx]), Some(transmitter), Some(receiver)) => {
             Some(antennas.channel_name(rx, tx, transmitter, receiver))

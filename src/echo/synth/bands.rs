@@ -37,14 +37,14 @@ impl<T: Scalar> Synth<T> {
     }
 
     /// `S[k]` of every channel of a pulse, as [`Synth::spectrum`], from its scatterer paths in bands
-    /// `band_hz` wide.
+    /// `band_hz` wide, in windows that start so long after the emission, s.
     ///
     /// # Errors
     /// A window that is not finite, or scatterer paths that lack pairs or channels.
     pub fn pulse_in_bands(
         &self,
         paths: &ScattererPaths,
-        window_s: f64,
+        starts_s: &[f64],
         band_hz: f64,
         work: &mut Bands<T>,
         out: &mut [Complex64],
@@ -77,7 +77,7 @@ impl<T: Scalar> Synth<T> {
                         }
                     }
                 }
-                self.fill(&[Node { pulse: 0, paths: part }], &[window_s], block)?;
+                self.fill_in(&[Node { pulse: 0, paths: part }], starts_s.as_chunks::<1>().0, block)?;
                 let fill = block.found();
                 found.spread += fill.spread;
                 found.unplaced += fill.unplaced;

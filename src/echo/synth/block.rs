@@ -28,6 +28,7 @@ use super::grid::{FAR_CELLS, Lined};
 use super::scalar::Scalar;
 use super::spread::{DelayPolynomials, Emitted, TICKS};
 use super::{Settings, Synth, SynthError};
+use crate::echo::reference::of_window;
 use crate::paths::list::ScattererPaths;
 
 /// Most pulses of a block.
@@ -76,8 +77,10 @@ pub struct BlockPaths<T: Scalar> {
     pub(super) powers: usize,
     /// `[pair]`: what multiplies the amplitudes, `[pulse][path]`; empty where nothing does.
     pub(super) factors: Vec<Vec<T>>,
-    /// What pulses receive, that of a group together.
-    pub(super) emitted: Vec<Emitted<T>>,
+    /// `[window]`: what pulses receive, that of a group together.
+    pub(super) emitted: Vec<Vec<Emitted<T>>>,
+    /// `[window]`: start of a window that places count from, s.
+    references_s: Vec<f64>,
     /// Groups of its emissions; empty where every one fills all channels.
     pub(super) groups: Vec<u8>,
     pub(super) fill: Fill,
@@ -91,7 +94,8 @@ impl<T: Scalar> BlockPaths<T> {
             amplitude: (0..layers).map(|_| Vec::new()).collect(),
             powers: 2,
             factors: vec![Vec::new(); pairs],
-            emitted: Vec::with_capacity(FEW_PULSES),
+            emitted: vec![Vec::with_capacity(FEW_PULSES)],
+            references_s: Vec::with_capacity(1),
             groups: Vec::new(),
             fill: Fill::default(),
         }
@@ -206,7 +210,21 @@ impl<T: Scalar> Synth<T> {
         windows_s: &[f64],
         block: &mut BlockPaths<T>,
     ) -> Result<(), SynthError> {
-        self.check(nodes, windows_s.len(), windows_s)?;
+        self.fill_in(nodes, &[windows_s], block)
+    }
+
+    /// The same with several windows a pulse ([`Synth::in_windows`]), `[window][pulse]`.
+    ///
+    /// # Errors
+    /// As [`Self::fill`].
+    pub fn fill_in<W: AsRef<[f64]>>(
+        &self,
+        nodes: &[Node<'_>],
+        windows_s: &[W],
+        block: &mut BlockPaths<T>,
+    ) -> Result<(), SynthError> {
+        let pulses = windows_s.first().map_or(0, |of| of.as_ref().len());
+        self.check(nodes, pulses, windows_s.iter().flat_map(AsRef::as_ref))?;
         let means: [f64; 0] = [];
         self.frame(windows_s, &means, &mut block.frame);
         for pair in 0..self.pairs {
@@ -215,7 +233,7 @@ impl<T: Scalar> Synth<T> {
         self.fill_replicas(&mut block.frame);
         block.frame.level();
         let frame = std::mem::take(&mut block.frame);
-        self.fill_paths(nodes, &frame, 0..windows_s.len(), block);
+        self.fill_paths(nodes, &frame, 0..pulses, block);
         block.frame = frame;
         Ok(())
     }
@@ -234,7 +252,7 @@ impl<T: Scalar> Synth<T> {
     ) -> Result<(), SynthError> {
         let known = !frame.receives.is_empty() || emissions.end <= frame.pulses();
         let count = if known { emissions.len() } else { 0 };
-        self.check(nodes, count, &frame.windows_s)?;
+        self.check(nodes, count, frame.windows_s.iter().flatten())?;
         self.fill_paths(nodes, frame, emissions, block);
         Ok(())
     }
@@ -251,26 +269,28 @@ impl<T: Scalar> Synth<T> {
         (pulse, group): (usize, Option<u8>),
         block: &mut BlockPaths<T>,
     ) -> Result<(), SynthError> {
-        let opens_s = frame.windows_s.get(pulse..=pulse).unwrap_or_default();
         let nodes = [Node { pulse: 0, paths }];
-        self.check(&nodes, opens_s.len(), opens_s)?;
+        let known = usize::from(pulse < frame.pulses());
+        self.check(&nodes, known, frame.windows_s.iter().filter_map(|of| of.get(pulse)))?;
         let mut alone = std::mem::take(&mut block.frame);
         alone.level();
-        alone.windows_s.clear();
-        alone.windows_s.extend_from_slice(opens_s);
+        alone.windows_s.resize_with(frame.windows_s.len(), Vec::new);
+        for (own, of) in alone.windows_s.iter_mut().zip(&frame.windows_s) {
+            own.clear();
+            own.extend(of.get(pulse));
+        }
         alone.mean_hz.clone_from(&frame.mean_hz);
         alone.groups.extend(group);
         self.fill_paths(&nodes, &alone, 0..1, block);
         block.frame = alone;
-        block.emitted.iter_mut().for_each(|own| own.grid = pulse);
+        block.emitted.iter_mut().flatten().for_each(|own| own.grid = pulse);
         Ok(())
     }
 
-    /// Windows and mean Doppler of a block (of each pair, Hz; 0 where it is not given), and what follows from
-    /// them.
-    pub fn frame(&self, windows_s: &[f64], mean_hz: &[f64], frame: &mut Frame) {
-        frame.windows_s.clear();
-        frame.windows_s.extend_from_slice(windows_s);
+    /// Windows (`[window][pulse]`, s) and mean Doppler of a block (of each pair, Hz; 0 where it is not
+    /// given), and what follows from them.
+    pub fn frame<W: AsRef<[f64]>>(&self, windows_s: &[W], mean_hz: &[f64], frame: &mut Frame) {
+        frame.set_windows(windows_s);
         frame.mean_hz.clear();
         frame.mean_hz.extend_from_slice(mean_hz);
         frame.mean_hz.resize(self.pairs, 0.0);
@@ -293,7 +313,13 @@ impl<T: Scalar> Synth<T> {
         let time = |row: usize| [slow.at(start + row) - middle; 2];
         block.groups.clear();
         block.groups.extend_from_slice(frame.groups.get(emissions.clone()).unwrap_or_default());
-        let reference_s = self.fill_emitted(frame, emissions, time, &mut block.emitted);
+        let mut references_s = std::mem::take(&mut block.references_s);
+        references_s.clear();
+        block.emitted.resize_with(frame.windows_s.len(), Vec::new);
+        for (windows_s, emitted) in frame.windows_s.iter().zip(&mut block.emitted) {
+            let of = (frame, windows_s.as_slice());
+            references_s.push(self.fill_emitted(of, emissions.clone(), time, emitted));
+        }
         let mut places = [0.0; MAX_NODES];
         for (place, node) in places.iter_mut().zip(nodes) {
             *place = slow.at(start + node.pulse) - middle;
@@ -306,15 +332,22 @@ impl<T: Scalar> Synth<T> {
         let reach = reach.into_iter().fold(0.5 * FEW_PULSES as f64, f64::max);
         for pair in 0..self.pairs {
             let mean_hz = frame.mean_hz[pair];
+            let reference_s = of_window(&references_s, &self.windows, pair).copied().unwrap_or(0.0);
             self.fill_pair(nodes, &through, (reference_s, reach, uneven), (pair, mean_hz), block);
         }
+        block.references_s = references_s;
     }
 
-    fn check(&self, nodes: &[Node<'_>], pulses: usize, windows_s: &[f64]) -> Result<(), SynthError> {
+    fn check<'a>(
+        &self,
+        nodes: &[Node<'_>],
+        pulses: usize,
+        mut windows_s: impl Iterator<Item = &'a f64>,
+    ) -> Result<(), SynthError> {
         if !(1..=MAX_PULSES).contains(&pulses) {
             return Err(SynthError::Pulses { pulses });
         }
-        if let Some(start_s) = windows_s.iter().find(|s| !s.is_finite()) {
+        if let Some(start_s) = windows_s.find(|s| !s.is_finite()) {
             return Err(SynthError::Window { start_s: *start_s });
         }
         if !(1..=MAX_NODES).contains(&nodes.len()) {

@@ -13,6 +13,7 @@ use super::Synth;
 use super::grid::FAR_CELLS;
 use super::scalar::Scalar;
 use super::spread::Emitted;
+use crate::echo::reference::of_window;
 use crate::paths::block::SlowTime;
 
 /// A pulse that receives an emission.
@@ -29,8 +30,8 @@ pub struct Receives {
 /// What the pulses of a block have in common, whatever its scatterer paths, and the emissions at hand.
 #[derive(Debug, Default)]
 pub struct Frame {
-    /// First sample of each pulse's window.
-    pub(super) windows_s: Vec<f64>,
+    /// First sample of each pulse's windows, `[window][pulse]`: one for all pairs, or several.
+    pub(super) windows_s: Vec<Vec<f64>>,
     /// `[layer][bin]`: from grid to spectrum.
     pub(super) replicas: Vec<Vec<Complex64>>,
     /// `[pair]`: mean Doppler `f0 r`, Hz.
@@ -72,7 +73,7 @@ fn bit(group: u8) -> u64 {
 impl Frame {
     pub(super) fn with_room(pulses: usize, pairs: usize, layers: usize) -> Self {
         Self {
-            windows_s: Vec::with_capacity(pulses),
+            windows_s: vec![Vec::with_capacity(pulses)],
             replicas: vec![Vec::new(); layers],
             mean_hz: vec![0.0; pairs],
             ..Self::default()
@@ -81,7 +82,16 @@ impl Frame {
 
     /// Pulses of the block.
     pub fn pulses(&self) -> usize {
-        self.windows_s.len()
+        self.windows_s.first().map_or(0, Vec::len)
+    }
+
+    /// Other windows.
+    pub(super) fn set_windows<W: AsRef<[f64]>>(&mut self, windows_s: &[W]) {
+        self.windows_s.resize_with(windows_s.len(), Vec::new);
+        for (own, given) in self.windows_s.iter_mut().zip(windows_s) {
+            own.clear();
+            own.extend_from_slice(given.as_ref());
+        }
     }
 
     /// Every pulse receives its own emission alone, in all channels, at equal intervals.
@@ -125,19 +135,25 @@ impl Frame {
 }
 
 impl<T: Scalar> Synth<T> {
+    /// Windows of a pair, pulse by pulse.
+    pub(super) fn windows_of<'a>(&self, frame: &'a Frame, pair: usize) -> &'a [f64] {
+        of_window(&frame.windows_s, &self.windows, pair).map_or(&[], Vec::as_slice)
+    }
+
     /// Where and when some of the emissions at hand are spread, `time` (by their number among these) from the
     /// instants from which phases and amplitudes count: those of a group together, and of these those that
-    /// are received as many pulses later, so that neighbours go to grids of their own. Returns the start of a
-    /// window after its emission that all places count from, s.
+    /// are received as many pulses later, so that neighbours go to grids of their own; by windows that are
+    /// one of those of the frame. Returns the start of a window after its emission that all places count
+    /// from, s.
     pub(super) fn fill_emitted(
         &self,
-        frame: &Frame,
+        (frame, windows_s): (&Frame, &[f64]),
         emissions: Range<usize>,
         time: impl Fn(usize) -> [f64; 2],
         emitted: &mut Vec<Emitted<T>>,
     ) -> f64 {
         emitted.clear();
-        let opens_s = |own: &Receives| frame.windows_s.get(own.pulse).map(|opens_s| opens_s - own.offset_s);
+        let opens_s = |own: &Receives| windows_s.get(own.pulse).map(|opens_s| opens_s - own.offset_s);
         let received = frame.received(emissions.clone());
         let middle = received.len() / 2;
         let reference_s = received.skip(middle).find_map(|own| opens_s(&own)).unwrap_or(0.0);
@@ -165,7 +181,7 @@ mod tests {
 
     #[test]
     fn pulses_fill_what_they_receive() {
-        let mut frame = Frame { windows_s: vec![0.0; 2], ..Frame::default() };
+        let mut frame = Frame { windows_s: vec![vec![0.0; 2]], ..Frame::default() };
         assert!(frame.fills(0, 3) && frame.fills(1, u8::MAX));
         frame.fill_own(&[0, 1]);
         assert!(frame.fills(0, 0) && !frame.fills(0, 1) && !frame.fills(1, 0) && frame.fills(1, 1));

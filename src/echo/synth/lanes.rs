@@ -260,7 +260,8 @@ impl Synth<f32> {
         let middles = [middle, slow.at(tile.instants.pulses / 2)];
         let groups = frame.groups.get(pulses.clone()).unwrap_or_default();
         let time = |row: usize| middles.map(|middle| slow.at(pulses.start + row) - middle);
-        let reference_s = self.fill_emitted(frame, pulses.clone(), time, emitted);
+        let reference_s =
+            self.fill_emitted((frame, self.windows_of(frame, pair)), pulses.clone(), time, emitted);
         self.polynomials_between(tile, pair, interval, (middle, reference_s), frame, polynomials);
         let Pair { factor, turned, .. } = &tile.pairs[pair];
         let stride = grids.shape.pulse_len();

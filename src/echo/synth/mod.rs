@@ -90,7 +90,7 @@ use self::block::{BlockPaths, Frame};
 use self::doppler::{Doppler, Envelope};
 use self::kernel::{Kernel, MAX_TERMS};
 use self::spread::{Emitted, Job};
-use super::reference::{GUARD_SAMPLES, fast_len};
+use super::reference::{GUARD_SAMPLES, fast_len, of_window};
 use crate::paths::block::{lanes_of, layers_of};
 use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
@@ -253,6 +253,8 @@ pub struct Synth<T: Scalar> {
     fft_len: usize,
     pairs: usize,
     channels: usize,
+    /// Window of each pair; empty where all have the first.
+    windows: Vec<usize>,
     settings: Settings,
     variant: Variant,
     kernel: Kernel,
@@ -346,6 +348,7 @@ impl<T: Scalar> Synth<T> {
             fft_len,
             pairs,
             channels: channel_pairs.len(),
+            windows: Vec::new(),
             settings,
             variant,
             kernel,
@@ -373,6 +376,11 @@ impl<T: Scalar> Synth<T> {
         let (variant, width) = (self.variant, self.settings.width);
         self.bodies = self.layers.iter().map(|layer| T::body(variant, width, layer.lanes)).collect();
         self
+    }
+
+    /// The same for pairs whose windows are these of several.
+    pub fn in_windows(self, of_pairs: Vec<usize>) -> Self {
+        Self { windows: of_pairs, ..self }
     }
 
     /// Length N of the spectra, bins: that of the reference echo.
@@ -427,7 +435,9 @@ impl<T: Scalar> Synth<T> {
     pub fn spread_part(&self, block: &BlockPaths<T>, grids: &mut Grids<T>) {
         let stride = grids.shape.pulse_len();
         for index in 0..self.layers.len() {
-            let emitted = of_group(&block.emitted, &block.groups, self.layers[index].group);
+            let Layer { pair, group, .. } = self.layers[index];
+            let emitted = of_window(&block.emitted, &self.windows, pair).map_or(&[][..], Vec::as_slice);
+            let emitted = of_group(emitted, &block.groups, group);
             if !emitted.is_empty() {
                 self.spread_layer(block, index, emitted, (0, stride), grids.all());
             }
@@ -437,8 +447,10 @@ impl<T: Scalar> Synth<T> {
     /// Adds all scatterer paths of a block to the grids of some of its pulses.
     pub fn spread_share(&self, block: &BlockPaths<T>, share: &mut Share<'_, T>) {
         let pulses = share.cells.len() / share.pulse_len;
-        let Some(emitted) = block.emitted.get(share.first..share.first + pulses) else { return };
         for index in 0..self.layers.len() {
+            let emitted = of_window(&block.emitted, &self.windows, self.layers[index].pair);
+            let emitted = emitted.and_then(|emitted| emitted.get(share.first..share.first + pulses));
+            let Some(emitted) = emitted else { return };
             self.spread_layer(block, index, emitted, (share.first, share.pulse_len), share.cells);
         }
     }

@@ -48,7 +48,11 @@ struct Shape {
 
 impl Synth<f32> {
     /// Whether windows lie whole cells apart: only then may tiles be evaluated at supports alone.
-    pub fn windows_align(&self, windows_s: &[f64]) -> bool {
+    pub fn windows_align(&self, windows_s: &[Vec<f64>]) -> bool {
+        windows_s.iter().all(|of| self.window_aligns(of))
+    }
+
+    fn window_aligns(&self, windows_s: &[f64]) -> bool {
         let first_s = windows_s.first().copied().unwrap_or_default();
         windows_s.iter().all(|start_s| {
             let cells = (start_s - first_s) * self.cells_per_s;
@@ -67,11 +71,12 @@ impl Synth<f32> {
         grids: &mut Grids<f32>,
     ) {
         let pulses = frame.pulses();
-        let reference_s = frame.windows_s[pulses / 2];
+        let windows_s = self.windows_of(frame, pair);
+        let reference_s = windows_s[pulses / 2];
         let Rows { shifts, turns, .. } = &mut work.rows;
         shifts.clear();
         let whole = |start_s: &f64| ((reference_s - start_s) * self.cells_per_s).round() as i32;
-        shifts.extend(frame.windows_s.iter().map(whole));
+        shifts.extend(windows_s.iter().map(whole));
         tile.middle_turns(pair, self.carrier_hz, turns);
         let shape = self.shape_of_rows(tile, pair);
         let own = self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair);
@@ -146,7 +151,7 @@ impl Synth<f32> {
         work: &mut LaneWork,
     ) {
         let pulses = frame.pulses();
-        let reference_s = frame.windows_s[pulses / 2];
+        let reference_s = self.windows_of(frame, pair)[pulses / 2];
         let (slow, uneven) = (&tile.slow, !tile.slow.uneven().is_empty());
         let middle = slow.at(supports.pulses()[own.start + own.len() / 2]);
         self.polynomials_between(tile, pair, interval, (middle, reference_s), frame, &mut work.polynomials);

@@ -51,7 +51,7 @@ impl ErrorSampler<'_> {
         for paths in &mut both {
             for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
                 for (a, delay_s) in paths.amplitude[channel].iter_mut().zip(&paths.delay_s[*pair]) {
-                    *a *= hearing.share(*delay_s).sqrt();
+                    *a *= hearing.share(*pair, *delay_s).sqrt();
                 }
             }
         }

@@ -488,7 +488,7 @@ impl<'a> ErrorSampler<'a> {
                 rate: node.delay_rate.to_vec(),
                 amplitude: epoch.rows(),
                 factor: sampled.of.factor[0],
-                share: node.delay_s.iter().map(|delay_s| hearing.share(*delay_s)).collect(),
+                share: node.delay_s.iter().map(|delay_s| hearing.share(sampled.pair, *delay_s)).collect(),
                 cosine: epoch.cosine,
             });
         })?;

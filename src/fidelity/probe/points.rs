@@ -194,11 +194,11 @@ impl ErrorSampler<'_> {
         let mut paths = self.no_points();
         let deviations = self.deviations();
         for index in spread_over(self.pulses, count, 1) {
-            let (opens_s, _) = self.points_at(index, &mut paths)?;
+            let found = self.points_at(index, &mut paths)?;
             let (drawn, highest) = (self.variation(index, false)?, self.variation(index, true)?);
             let mut all = 0.0;
             for (pair, channels) in self.channels.iter().enumerate() {
-                let delays_s = &paths.delay_s[pair];
+                let (delays_s, opens_s) = (&paths.delay_s[pair], found[pair].0);
                 let line = Line::new(delays_s, self.cells_per_s);
                 for &channel in channels {
                     let amplitude = &paths.amplitude[channel];
@@ -359,8 +359,8 @@ impl ErrorSampler<'_> {
     pub(super) fn add_points_at(&mut self, index: u64) -> Result<(), RadarError> {
         let (weight, carrier_hz) = (self.sampled(), self.radar.carrier_hz);
         let mut paths = self.no_points();
-        let (_, rates) = self.points_at(index, &mut paths)?;
-        for ((power, weighted), [received, _]) in self.dopplers_of_points.iter_mut().zip(rates) {
+        let found = self.points_at(index, &mut paths)?;
+        for ((power, weighted), (_, [received, _])) in self.dopplers_of_points.iter_mut().zip(found) {
             (*power, *weighted) =
                 (*power + weight * received.0, *weighted + weight * received.1 * carrier_hz);
         }
@@ -396,7 +396,7 @@ impl ErrorSampler<'_> {
         let mut stretch = Stretch { first, at, exact, lines, rates, most };
         let pulses = first..first.saturating_add(self.longest()).min(self.pulses);
         for index in pulses.step_by(self.unit as usize) {
-            let (_, rates) = self.points_at(index, &mut all)?;
+            let found = self.points_at(index, &mut all)?;
             let of =
                 |column: &Vec<f64>| -> Vec<f64> { self.points.followed.iter().map(|n| column[*n]).collect() };
             let amplitude = |column: &Vec<Complex64>| {
@@ -410,7 +410,7 @@ impl ErrorSampler<'_> {
                 delay_rate: all.delay_rate.iter().map(of).collect(),
                 amplitude: all.amplitude.iter().map(amplitude).collect(),
             });
-            stretch.rates.push(rates);
+            stretch.rates.push(found.into_iter().map(|(_, rates)| rates).collect());
             let Variation { of_points, pairs } = self.variation(index, true)?;
             let of_point = |n: &usize| of_points.get(n * pairs..(n + 1) * pairs).unwrap_or_default();
             let of_points = self.points.followed.iter().flat_map(of_point).copied().collect();
@@ -435,12 +435,13 @@ impl ErrorSampler<'_> {
         Ok(Variation { of_points, pairs })
     }
 
-    /// Points of a pulse, its window's start and their rates by pair. Points that the window does not receive
-    /// at all, and those without a delay polynomial, are silent.
-    fn points_at(&mut self, index: u64, paths: &mut ScattererPaths) -> Result<(f64, Vec<Rates>), RadarError> {
+    /// Points of a pulse, and by pair its window's start and their rates. Points that the window does not
+    /// receive at all, and those without a delay polynomial, are silent.
+    fn points_at(&mut self, index: u64, paths: &mut ScattererPaths) -> Result<Vec<(f64, Rates)>, RadarError> {
         self.generator.points(index, &mut self.memory, paths)?;
-        let opens_s = self.generator.window_start_of(index)?;
-        let share = |delay_s: f64| self.generator.received_share(index, opens_s, delay_s);
+        let starts_s = (0..self.channels.len()).map(|pair| self.generator.pair_start_of(pair, index));
+        let starts_s = starts_s.collect::<Result<Vec<f64>, _>>()?;
+        let share = |pair: usize, delay_s| self.generator.received_share(index, starts_s[pair], delay_s);
         let mut of_mean = None;
         if self.generator.ship_paths() > 0 {
             let mut some = self.no_points();
@@ -448,13 +449,13 @@ impl ErrorSampler<'_> {
             of_mean = Some(some);
         }
         let of_mean = of_mean.as_ref().unwrap_or(paths);
-        let rates =
-            |pair| [self.generator.rates(of_mean, pair, share), self.generator.rates(of_mean, pair, |_| 1.0)];
-        let rates = (0..self.channels.len()).map(rates).collect();
+        let received = |pair| self.generator.rates(of_mean, pair, |delay_s| share(pair, delay_s));
+        let rates = |pair| [received(pair), self.generator.rates(of_mean, pair, |_| 1.0)];
+        let found = (0..self.channels.len()).map(|pair| (starts_s[pair], rates(pair))).collect();
         for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
             let courses = paths.delay_s[*pair].iter().zip(&paths.delay_rate[*pair]);
             for (a, (delay_s, rate)) in paths.amplitude[channel].iter_mut().zip(courses) {
-                if !(share(*delay_s) > 0.0 && rate.abs() < 1.0 && a.norm_sqr().is_finite()) {
+                if !(share(*pair, *delay_s) > 0.0 && rate.abs() < 1.0 && a.norm_sqr().is_finite()) {
                     *a = Complex64::ZERO;
                 }
             }
@@ -466,7 +467,7 @@ impl ErrorSampler<'_> {
                 }
             }
         }
-        Ok((opens_s, rates))
+        Ok(found)
     }
 
     /// The worst pulse of some that have a cubic in common, for some of the points that are followed.

@@ -200,7 +200,7 @@ impl ErrorSampler<'_> {
                         factor: sampled.of.factor.iter().step_by(fine).copied().collect(),
                         amplitude: sampled.of.epochs()[0].rows(),
                         delay_s: delays_s.to_vec(),
-                        share: delays_s.iter().map(|delay_s| hearing.share(*delay_s)).collect(),
+                        share: delays_s.iter().map(|delay_s| hearing.share(sampled.pair, *delay_s)).collect(),
                         runs: runs_of(sampled, candidates),
                     });
                 }

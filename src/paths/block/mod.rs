@@ -218,14 +218,15 @@ impl PathGenerator {
         work.weigh_shadows(self, sea, instants, patch, Heights::Exact)
             .map_err(|failure| self.sea_error(first, failure))?;
         costs.lap(Stage::Shadow);
-        let hearing = self.hearing(first + (instants.pulses / 2) as u64)?;
+        let hearing = &mut workspace.hearing;
+        self.hearing_in(first + (instants.pulses / 2) as u64, hearing)?;
         let mut facets = 0;
         work.part = Part::Still;
         for runs in Cut::of(patch.facets).sample(SAMPLED) {
             facets += work.take(runs);
             self.evaluate_tile(sea, patch, work);
-            for (pair, sample) in work.tile.pairs.iter().zip(&mut *samples) {
-                pair.add_to(sample, work.tile.count, &hearing);
+            for (number, (pair, sample)) in work.tile.pairs.iter().zip(&mut *samples).enumerate() {
+                pair.add_to(sample, work.tile.count, |delay_s| hearing.share(number, delay_s));
             }
         }
         for sample in samples {

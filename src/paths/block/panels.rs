@@ -13,10 +13,10 @@ use super::slow_time::SlowTime;
 use super::tile::Node;
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Paths, Row};
+use crate::paths::PathGenerator;
 use crate::paths::emission::Emission;
 use crate::paths::list::ScattererPaths;
 use crate::paths::ships::mesh::{MeshWork, With};
-use crate::paths::{PathGenerator, Window};
 use crate::radar::fault::RadarError;
 use crate::radar::polarisation::Axes;
 
@@ -103,7 +103,7 @@ impl PathGenerator {
             let part = &work.seen[chunk * LANES..work.seen.len().min((chunk + 1) * LANES)];
             for (node, (emission, place)) in work.emissions.iter().zip(at).enumerate() {
                 let index = pulses.start + *place as u64;
-                let reception = self.reception_of_all(index, emission, Window::UNBOUNDED);
+                let reception = self.reception_of_all(index, emission, &[]);
                 let (mesh, paths) = (&mut work.mesh, &mut nodes[node]);
                 self.append_panels(
                     &reception,

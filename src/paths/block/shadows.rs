@@ -13,7 +13,6 @@ use crate::paths::PathGenerator;
 use crate::paths::sea::{SeaFailure, SeaPlan};
 use crate::paths::visibility::{Area, Borders, MOST_ENDS, ShareBorders, Update, Updates};
 use crate::radar::fault::SeaFault;
-use crate::radar::window::Window;
 use crate::scene::Patch;
 use crate::sea::surface::fields::Real;
 
@@ -196,7 +195,7 @@ impl TileWork {
         let lower = |[x, y]: [f64; 2]| earth.drop_m(x, y);
         // Of the first pulse, which is a node and a gain instant.
         let Some(GainInstant { emission, .. }) = self.timings.mainlobe.gains.first() else { return Ok(()) };
-        let reception = of.reception(first, first, emission, Window::UNBOUNDED);
+        let reception = of.reception(first, first, emission, &[]);
         let scenery = |elapsed_s: f64, places: &mut [Point<Enu>]| sea.scenery(&reception, elapsed_s, places);
         for (update_weights, number) in shadow_updates.iter_mut().zip(span.clone()) {
             update_weights.weights.resize_with(visibility.ends, Vec::new);

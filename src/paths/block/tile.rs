@@ -11,7 +11,6 @@ use super::supports::{SupportSets, Supports};
 use super::{Sample, Tally};
 use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{LANES, Paths, Row, lanes_for};
-use crate::paths::hearing::Hearing;
 
 /// Channels of a layer: those of a pair that are spread together.
 pub(super) const CHANNELS_PER_LAYER: usize = 4;
@@ -238,9 +237,9 @@ impl Pair {
         self.factor.resize(pulses, [0.0; LANES]);
     }
 
-    /// Adds power, and power times delay rate, of facets at the middle node to a sample, as windows receive
-    /// them.
-    pub(super) fn add_to(&self, sample: &mut Sample, count: usize, hearing: &Hearing) {
+    /// Adds power, and power times delay rate, of facets at the middle node to a sample, each by the share
+    /// of it that windows receive at its delay.
+    pub(super) fn add_to(&self, sample: &mut Sample, count: usize, share: impl Fn(f64) -> f64) {
         let middle = (
             self.nodes().get(self.node_count / 2),
             self.epochs().get(self.epoch_count / 2),
@@ -251,7 +250,7 @@ impl Pair {
                 let of = |channel| f64::from(epoch.amplitude(channel, i).norm_sqr());
                 let own = (0..self.channels()).map(of).sum::<f64>() * f64::from(factor[i] * factor[i]);
                 if own.is_finite() && node.paths.delay_rate[i].is_finite() {
-                    let own = own * hearing.share(node.paths.delay_s[i]);
+                    let own = own * share(node.paths.delay_s[i]);
                     sample.received_power_w += own;
                     sample.mean_rate += own * node.paths.delay_rate[i];
                 }

@@ -118,7 +118,7 @@ impl PathGenerator {
                 let path = bistatic(LightTime::Exact, tx, moves.position, moves.velocity, rx);
                 paths.delay_s[pair].push(path.delay_s);
                 paths.delay_rate[pair].push(path.delay_rate);
-                let within = reception.window.touches(reception.offset_s + path.delay_s);
+                let within = reception.window(plan).touches(reception.offset_s + path.delay_s);
                 if !(within && plan.receives(reception.tx_pol)) {
                     continue;
                 }
@@ -150,10 +150,10 @@ impl PathGenerator {
     ) -> Result<(), RadarError> {
         paths.clear();
         let Some(sea) = self.sea.as_ref().filter(|sea| sea.breaking.is_some()) else { return Ok(()) };
-        let Workspace { own, amplitude, .. } = workspace;
+        let Workspace { own, amplitude, windows, .. } = workspace;
         self.evaluate(index, own)?;
-        let window = self.window_or_all(index)?;
-        let reception = self.reception_of_all(index, own, window);
+        self.windows_or_all(index, windows)?;
+        let reception = self.reception_of_all(index, own, windows);
         let weight = |antenna: usize, facet| tiles.seen_from(antenna, pulse).of(facet);
         let appended = self.append_breakers(sea, &reception, patch, weight, amplitude, paths);
         appended.map_err(|failure| self.sea_error(index, failure))

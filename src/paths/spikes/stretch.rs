@@ -50,6 +50,8 @@ pub(in crate::paths) struct Buffers {
     envelope: Vec<f64>,
     /// Transmitter and receiver, `[pulse][pair]`.
     sights: Vec<[Sight; 2]>,
+    /// Of every node; none where everything is received.
+    windows: Vec<Vec<Window>>,
 }
 
 /// Pulses of a block that are made together.
@@ -133,7 +135,9 @@ impl PathGenerator {
             return Ok(false);
         }
         let Workspace {
-            stretch: Buffers { emissions, elapsed_s, slow, envelope, sights }, amplitude, ..
+            stretch: Buffers { emissions, elapsed_s, slow, envelope, sights, windows },
+            amplitude,
+            ..
         } = workspace;
         let first = stretch.block + stretch.pulses.start as u64;
         let count = stretch.pulses.len();
@@ -144,9 +148,9 @@ impl PathGenerator {
         self.slow_time(first, count, slow);
         elapsed_s.clear();
         elapsed_s.extend((first..).take(count).map(|index| self.radar.emissions.interval_s(0, index)));
-        let mut windows = [Window::UNBOUNDED; NODES];
-        for (window, place) in windows.iter_mut().zip(stretch.nodes) {
-            *window = self.window_or_all(first + *place as u64)?;
+        windows.resize_with(stretch.nodes.len().max(windows.len()), Vec::new);
+        for (windows, place) in windows.iter_mut().zip(stretch.nodes) {
+            self.windows_or_all(first + *place as u64, windows)?;
         }
         self.sights(stretch.patch, &emissions[..count], sights);
         let made = Making {
@@ -201,7 +205,7 @@ struct Making<'a> {
     /// `[pulse][pair]`.
     sights: &'a [[Sight; 2]],
     /// Of every node.
-    windows: &'a [Window],
+    windows: &'a [Vec<Window>],
     /// Of every pulse, after pulse 0.
     elapsed_s: &'a [f64],
     interval_s: f64,
@@ -265,12 +269,12 @@ impl Making<'_> {
             let [tx, rx] = self.ends(plan);
             let mut paths = [Path::default(); NODES];
             let mut within = false;
-            for ((path, &place), window) in paths.iter_mut().zip(places).zip(windows) {
+            for ((path, &place), windows) in paths.iter_mut().zip(places).zip(windows) {
                 let moves = Moves::of(riding, self.earth(), self.elapsed_s[place]);
                 let centres = &emissions[place].centres;
                 let (tx, rx) = (&centres[tx], &centres[rx]);
                 *path = bistatic(LightTime::Exact, tx, moves.position, moves.velocity, rx);
-                within |= window.touches(path.delay_s);
+                within |= windows.get(plan.window).is_none_or(|window| window.touches(path.delay_s));
             }
             let paths = &paths[..places.len()];
             let lasts = slow.at(places[places.len() - 1]) - slow.at(places[0]);

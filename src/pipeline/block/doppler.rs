@@ -27,20 +27,20 @@ impl BlockEcho {
         // Rain: all three as the middle one.
         let rain = &mut points[NODES - 1];
         generator.rain_at(of_rain, memory, rain)?;
-        let rain_opens_s = generator.window_start_of(of_rain)?;
         let (rain, points) = (&points[NODES - 1], &points[..NODES - 1]);
         let facets = generator.facets() as f64;
         mean_hz.clear();
         for pair in 0..generator.pairs().len() {
             let sample = samples.get(pair).copied().unwrap_or_default();
             let of_facets = sample.received_power_w * facets;
-            let share = |delay_s| generator.received_share(of_rain, rain_opens_s, delay_s);
+            let opens_s = generator.pair_start_of(pair, of_rain)?;
+            let share = |delay_s| generator.received_share(of_rain, opens_s, delay_s);
             let rates = generator.rates(rain, pair, share);
             let mut received = (3.0 * rates.0, 3.0 * rates.1);
             let mut all = received;
             for (pulse, points) in of_pulses.iter().zip(points.iter()) {
                 let index = first + *pulse as u64;
-                let opens_s = generator.window_start_of(index)?;
+                let opens_s = generator.pair_start_of(pair, index)?;
                 let share = |delay_s| generator.received_share(index, opens_s, delay_s);
                 for (sums, own) in [
                     (&mut received, generator.rates(points, pair, share)),

@@ -84,7 +84,8 @@ struct BlockWork {
     received: Received,
     tiers: Tiers,
     nodes: [ScattererPaths; NODES],
-    windows_s: Vec<f64>,
+    /// `[window][pulse]`.
+    windows_s: Vec<Vec<f64>>,
     frame: Frame,
     /// Groups of the pulses' own emissions.
     own_groups: Vec<u8>,
@@ -189,7 +190,7 @@ impl BlockEcho {
             received: Received::default(),
             tiers: Tiers::default(),
             nodes: std::array::from_fn(|_| path_list(generator, point_paths(generator).max(at_once))),
-            windows_s: Vec::with_capacity(length),
+            windows_s: (0..generator.windows()).map(|_| Vec::with_capacity(length)).collect(),
             frame: Frame::default(),
             own_groups: Vec::new(),
             part: self.synth.block_with_room(at_once, breakers * length),
@@ -222,8 +223,8 @@ impl BlockEcho {
         if let (Some(band_hz), Some(bands)) = (self.band_hz(), &mut work.bands) {
             let paths = &mut work.nodes[0];
             generator.pulse(index, memory, paths, pulse)?;
-            let start_s = pulse.window_start_s;
-            let found = self.synth.pulse_in_bands(paths, start_s, band_hz, bands, spectrum)?;
+            let starts_s = pulse.window_starts_s();
+            let found = self.synth.pulse_in_bands(paths, starts_s, band_hz, bands, spectrum)?;
             check(found)?;
             memory.costs.lap(Stage::Spread);
             memory.costs.accumulated(found.spread);
@@ -260,7 +261,7 @@ impl BlockEcho {
         // What is aimed by a report jumps with it: such a block ends there.
         let Range { start: first, end } =
             generator.unbroken(segment.start..segment.end.min(self.pulses), index);
-        work.windows_s.clear();
+        work.windows_s.iter_mut().for_each(Vec::clear);
         work.spread = 0;
         if self.length == 1 || !self.receives(generator, first..end, memory, work)? {
             return self.prepare_single(generator, index, pulse, memory, work);
@@ -298,7 +299,9 @@ impl BlockEcho {
         work: &mut BlockWork,
     ) -> Result<bool, PulseError> {
         for at in pulses.clone() {
-            work.windows_s.push(generator.window_start_of(at)?);
+            for (window, starts_s) in work.windows_s.iter_mut().enumerate() {
+                starts_s.push(generator.window_start_of(window, at)?);
+            }
         }
         let BlockWork { windows_s, received, .. } = work;
         let in_blocks = generator.received(pulses.start, windows_s, memory, received)?;
@@ -320,7 +323,7 @@ impl BlockEcho {
         let paths = &mut work.nodes[0];
         generator.pulse(index, memory, paths, pulse)?;
         let node = Node { pulse: 0, paths };
-        self.synth.fill(&[node], &[pulse.window_start_s], &mut work.part)?;
+        self.synth.fill_in(&[node], pulse.window_starts_s().as_chunks::<1>().0, &mut work.part)?;
         check(work.part.found())?;
         memory.costs.lap(Stage::Fill);
         self.synth.spread(&work.part, &mut work.grids);
@@ -354,7 +357,7 @@ impl BlockEcho {
             generator.open_block(tiers, patch, memory, tiles, samples)?;
         }
         if leads {
-            let rain = first + (windows_s.len() / 2) as u64;
+            let rain = first + (windows_s.first().map_or(0, Vec::len) / 2) as u64;
             self.mean_doppler(generator, (from, count, rain), memory, samples, nodes, mean_hz)?;
         }
         let BlockWork { received, tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } =

@@ -320,7 +320,7 @@ impl<'a> Focuser<'a> {
         let weight = |place: usize| taper.weight((place as f64 + 0.5) / illuminated.len() as f64 - 0.5);
         let echo = |(place, pulse): (usize, &usize)| PulseEcho {
             emission_s: recording.emission_s[*pulse],
-            window_start_s: recording.window_start_s[*pulse],
+            window_start_s: recording.window_start_of(*pulse, channel),
             weight: weight(place),
             samples: recording.window(*pulse, channel),
         };

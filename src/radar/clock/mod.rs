@@ -12,10 +12,10 @@
 //!
 //! and the oscillator of the receiver turns on by `2 pi f_0 y_R i / fs` to sample `i`. So:
 //!
-//! * the window of the first pair opens at `w - d` after the true emission while `w` is what is recorded: no
-//!   delay, however long, wraps;
-//! * spectra of other pairs get the linear phase of `d - d_first`, which must stay within half the guard of
-//!   the window;
+//! * a window opens at `w - d` after the true emission, by the first pair in it, while `w` is what is
+//!   recorded: no delay, however long, wraps;
+//! * spectra of other pairs in that window get the linear phase of `d - d_first`, which must stay within half
+//!   the guard of the window;
 //! * every sample is multiplied by `e^(-j 2 pi f_0 (d + y_R i / fs))`.
 //!
 //! One clock for both ends leaves only what it does in between, `d = x(t_n + w) - x(t_n)`: `y w`, and of
@@ -87,7 +87,7 @@ pub enum ClockFault {
     },
     /// Receivers whose clocks are too far apart for one window.
     #[error(
-        "clocks of pair {pair} and of the first differ by {apart_s:.3e} s at pulse {pulse}; allowed: at most {allowed_s:.3e} s, \
+        "clocks of pair {pair} and of the first in its window differ by {apart_s:.3e} s at pulse {pulse}; allowed: at most {allowed_s:.3e} s, \
          half the guard of the window"
     )]
     Apart {
@@ -148,6 +148,9 @@ pub struct RunningClocks {
     /// Clocks of transmitters and of receivers, by their places.
     antennas: [Vec<Option<usize>>; 2],
     channel_pairs: Vec<usize>,
+    /// Pairs whose clocks open windows ([`Radar::window_leads`]), and the window of each pair.
+    leads: Vec<usize>,
+    pair_windows: Vec<usize>,
     carrier_hz: f64,
     sample_rate_hz: f64,
 }
@@ -205,6 +208,10 @@ impl RunningClocks {
             let wanted = Pair { transmitter: channel.transmitter, receiver: channel.receiver };
             radar_pairs.iter().position(|pair| *pair == wanted)
         });
+        let place = |pair: &Pair| radar_pairs.iter().position(|own| own == pair).unwrap_or(0);
+        let leads: Vec<usize> = radar.window_leads().iter().map(place).collect();
+        let windows = |pair: &Pair| Radar::window_of(pair.receiver, leads.len());
+        let pair_windows = radar_pairs.iter().map(windows).collect();
         let made = Self {
             clocks: running,
             seed,
@@ -212,6 +219,8 @@ impl RunningClocks {
             pairs,
             antennas: [clocks.transmitters.clone(), clocks.receivers.clone()],
             channel_pairs: channel_pairs.collect(),
+            leads,
+            pair_windows,
             carrier_hz: radar.carrier_hz,
             sample_rate_hz: radar.sample_rate_hz,
         };
@@ -265,17 +274,19 @@ impl RunningClocks {
         }
     }
 
-    /// How much earlier than nominal the window opens after the true emission, s: the delay of the first
-    /// pair.
-    pub fn window_shift_s(&self, pulse: u64, after_s: f64) -> f64 {
-        self.of_pair(0, pulse, after_s)[0]
+    /// How much earlier than nominal a window opens after the true emission, s: the delay of the pair by
+    /// which it is found.
+    pub fn window_shift_s(&self, window: usize, pulse: u64, after_s: f64) -> f64 {
+        self.of_pair(self.leads.get(window).copied().unwrap_or(0), pulse, after_s)[0]
     }
 
-    /// What becomes of every channel of a pulse whose window opens nominally `after_s` after its emission.
-    pub fn channels(&self, pulse: u64, after_s: f64, channels: &mut Vec<ChannelClock>) {
+    /// What becomes of every channel of a pulse whose windows open nominally so long after its emission, s.
+    pub fn channels(&self, pulse: u64, starts_s: &[f64], channels: &mut Vec<ChannelClock>) {
         channels.clear();
-        let [shift_s, _] = self.of_pair(0, pulse, after_s);
         channels.extend(self.channel_pairs.iter().map(|pair| {
+            let window = self.pair_windows[*pair];
+            let after_s = starts_s.get(window).or(starts_s.first()).copied().unwrap_or(0.0);
+            let shift_s = self.window_shift_s(window, pulse, after_s);
             let [delay_s, y] = self.of_pair(*pair, pulse, after_s);
             let turns = -(self.carrier_hz * delay_s).rem_euclid(1.0);
             let turns_per_sample = -self.carrier_hz * y / self.sample_rate_hz;
@@ -283,7 +294,7 @@ impl RunningClocks {
         }));
     }
 
-    /// Whether one window does for all pairs, at every pulse.
+    /// Whether one window does for all pairs that have it, at every pulse.
     fn check_apart(&self, pulses: u64) -> Result<(), ClockFault> {
         let allowed_s = 0.5 * GUARD_SAMPLES as f64 / self.sample_rate_hz;
         if self.pairs.windows(2).all(|pair| pair[0] == pair[1]) {
@@ -295,9 +306,9 @@ impl RunningClocks {
         let step = if noisy { 1 } else { (pulses / 65_536).max(1) };
         let mut pulse = 0;
         while pulse < pulses {
-            let [first_s, _] = self.of_pair(0, pulse, 0.0);
-            for pair in 1..self.pairs.len() {
-                let apart_s = self.of_pair(pair, pulse, 0.0)[0] - first_s;
+            for pair in 0..self.pairs.len() {
+                let apart_s = self.of_pair(pair, pulse, 0.0)[0]
+                    - self.window_shift_s(self.pair_windows[pair], pulse, 0.0);
                 if apart_s.is_nan() || apart_s.abs() > allowed_s {
                     return Err(ClockFault::Apart { pair, pulse, apart_s, allowed_s });
                 }

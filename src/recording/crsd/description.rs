@@ -14,10 +14,10 @@ use crate::radar::antenna::Antenna;
 use crate::radar::rain::Attenuation;
 use crate::radar::receiver::thermal_noise_w;
 use crate::recording::header::Header;
-use crate::scene::Scene;
 use crate::scene::clock::Clocks;
 use crate::scene::radar::{AntennaMount, Pattern, Pointing, Polarisation, Sweep, TxPolarisation, Waveform};
 use crate::scene::sea::PatchPlace;
+use crate::scene::{Radar, Scene};
 use crate::units::Decibels;
 
 /// Part of the sample rate within which the receive filter is flat.
@@ -212,6 +212,7 @@ impl Description {
         }
         description.one_platform("transmitt", description.sequences.iter().map(|s| s.end).collect())?;
         description.one_platform("receiv", description.channels.iter().map(|c| c.end).collect())?;
+        description.one_window(radar)?;
         let receiver = &description.ends[description.channels[0].end];
         description.mode = match radar.antenna(&receiver.name).map(|mount| &mount.pointing) {
             Some(Pointing::At { aim: crate::scene::radar::Aim::Point { velocity, .. }, .. }) => {
@@ -227,6 +228,27 @@ impl Description {
         names.sort_unstable();
         names.dedup();
         if names.len() > 1 { Err(CrsdError::Platforms { end, platforms: names.join(", ") }) } else { Ok(()) }
+    }
+
+    /// All channels are recorded in the same window: receivers of one platform are, unless they are told not
+    /// to.
+    fn one_window(&self, radar: &Radar) -> Result<(), CrsdError> {
+        let leads = radar.window_leads();
+        let window = |channel: &Channel| {
+            let name = &self.header.channels[channel.place].receiver;
+            let receiver = radar.receivers.iter().position(|end| end.name == *name)?;
+            leads.get(Radar::window_of(receiver, leads.len()))
+        };
+        let first = &self.channels[0];
+        match self.channels.iter().find(|channel| window(channel) != window(first)) {
+            Some(other) => Err(CrsdError::Windows { channels: [first.id.clone(), other.id.clone()] }),
+            None => Ok(()),
+        }
+    }
+
+    /// The receiver whose windows are written, by its place in the header.
+    pub(super) fn receiver(&self) -> usize {
+        self.header.receiver_of(self.channels[0].place).unwrap_or(0)
     }
 
     /// Takes in a channel, with its sequence and its antennas.

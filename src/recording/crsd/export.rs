@@ -8,9 +8,9 @@ use super::description::Description;
 use super::fault::CrsdError;
 use super::states::{AntennaRow, BEFORE, BEYOND, PulseRow, recorded_time};
 use super::writer::{PulseSamples, Writer};
-use crate::recording::RecordingError;
 use crate::recording::columns::{Column, Rows, columns};
 use crate::recording::source::Source;
+use crate::recording::{RECEIVER_WINDOWS, RecordingError};
 
 /// Samples that are read at a time, bytes.
 const BLOCK_BYTES: usize = 8 << 20;
@@ -105,6 +105,21 @@ impl Table<'_> {
         }
     }
 
+    /// Starts of the windows of the channels, s after emissions.
+    fn windows(&self, rows: Range<usize>) -> Result<Vec<[f64; 1]>, CrsdError> {
+        let Some(width) = self.columns.iter().find(|of| of.path == RECEIVER_WINDOWS).map(Column::width)
+        else {
+            return self.reals::<1>("pulse/window_start_s", rows);
+        };
+        let count = rows.len();
+        match self.rows(RECEIVER_WINDOWS, rows)? {
+            Rows::F64(all) if all.len() == count * width => {
+                Ok(all.iter().skip(self.description.receiver()).step_by(width).map(|s| [*s]).collect())
+            }
+            _ => Err(self.foreign(format!("{RECEIVER_WINDOWS} has not {width} numbers for each pulse"))),
+        }
+    }
+
     /// Pulses of every sequence.
     fn planned(&self, all: usize) -> Result<Vec<u64>, CrsdError> {
         let mut planned = vec![0; self.description.sequences.len()];
@@ -124,7 +139,7 @@ impl Table<'_> {
     /// Rows of some pulses, of [`BEFORE`] before them, and of those after them up to where their windows
     /// open.
     fn pulses(&self, used: Range<usize>, all: usize) -> Result<Vec<PulseRow>, CrsdError> {
-        let windows = self.reals::<1>("pulse/window_start_s", used.clone())?;
+        let windows = self.windows(used.clone())?;
         let latest_s = windows.iter().fold(0.0_f64, |latest, [start]| latest.max(*start));
         // A sequence of intervals may have short ones next to each other.
         let beyond = (4.0 * latest_s * self.description.header.prf_hz).ceil().clamp(1.0, MOST_BEYOND);
@@ -138,7 +153,7 @@ impl Table<'_> {
             return Err(self.missing("pulse/tx_pol"));
         };
         let parts_ns = self.reals::<1>("pulse/time_frac_ns", range.clone())?;
-        let windows = self.reals::<1>("pulse/window_start_s", range.clone())?;
+        let windows = self.windows(range.clone())?;
         let mut rows: Vec<PulseRow> = Vec::with_capacity(range.len());
         for place in 0..range.len() {
             let ([part_ns], [window_start_s]) = (parts_ns[place], windows[place]);

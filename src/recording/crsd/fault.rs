@@ -63,6 +63,16 @@ pub enum CrsdError {
         /// Their names.
         platforms: String,
     },
+    /// Receivers with windows of their own.
+    #[error(
+        "channels {} have receive windows of their own, and all channels of a CRSD file have the same; \
+         allowed: channels of one receiver (--channel, or channels)",
+        one_line(&channels.join(" and "))
+    )]
+    Windows {
+        /// Two of them.
+        channels: [String; 2],
+    },
     /// A waveform from a file.
     #[error(
         "the waveform is read from a file; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\")"

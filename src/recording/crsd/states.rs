@@ -94,7 +94,7 @@ impl PulseRow {
             index: pulse.index,
             // As a recording rounds it, so that its export is the same file.
             time: recorded_time(ns, part_ns),
-            window_start_s: pulse.window_start_s,
+            window_start_s: pulse.window_start_of(description.receiver()),
             tx_pol: pulse.tx_pol,
             antennas: description.ends.iter().map(antenna).collect::<Option<_>>()?,
         })

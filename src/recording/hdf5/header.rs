@@ -12,7 +12,9 @@ use super::{changes, sizes};
 use crate::pulse::SampleFormat;
 use crate::recording::columns::Column;
 use crate::recording::descriptions::{Description, of_header};
-use crate::recording::header::{AdcRow, ChannelRow, FORMAT_VERSION, Field, Header, Origin, PairRow};
+use crate::recording::header::{
+    AdcRow, ChannelRow, FORMAT_VERSION, Field, Header, Origin, PairRow, WINDOWS_VERSION,
+};
 use crate::recording::instrument::Instrument;
 use crate::recording::shard::{NotAShard, Shard};
 use crate::time::TimeTag;
@@ -40,7 +42,7 @@ pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u6
         attribute(file, "after_pulse", &after)?;
     }
     attribute(file, "format", &text("nereus")?)?;
-    attribute(file, "version", &FORMAT_VERSION)?;
+    attribute(file, "version", &header.version())?;
     let mut header = header.clone();
     for (name, field) in header.fields() {
         match field {
@@ -135,9 +137,9 @@ pub(super) fn describe<'a>(
 pub(super) fn read(file: &File, file_bytes: u64) -> Result<Header, Fault> {
     let format = string(file, "format")?;
     let version: u32 = value(file, "version")?;
-    if format != "nereus" || version != FORMAT_VERSION {
+    if format != "nereus" || !(FORMAT_VERSION..=WINDOWS_VERSION).contains(&version) {
         return Err(Fault::Text(format!(
-            "format '{format}' version {version}; 'nereus' version {FORMAT_VERSION} is read"
+            "format '{format}' version {version}; 'nereus' versions {FORMAT_VERSION} and {WINDOWS_VERSION} are read"
         )));
     }
     let iq = file.dataset("iq")?;
@@ -164,7 +166,7 @@ pub(super) fn read(file: &File, file_bytes: u64) -> Result<Header, Fault> {
         }
     }
     read_tables(file, file_bytes, &mut header)?;
-    header.count(samples, format);
+    header.count(version, samples, format);
     // As many as the samples have, not as the table has: they are compared.
     header.layout.channels = channels;
     Ok(header)

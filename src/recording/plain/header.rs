@@ -12,7 +12,7 @@ use crate::pulse::SampleFormat;
 use crate::recording::columns::{Column, Element, columns};
 use crate::recording::descriptions::of_header;
 use crate::recording::fault::RecordingError;
-use crate::recording::header::{AdcRow, FORMAT_VERSION, Field, Header, Origin};
+use crate::recording::header::{AdcRow, FORMAT_VERSION, Field, Header, Origin, WINDOWS_VERSION};
 use crate::recording::instrument::Instrument;
 use crate::time::TimeTag;
 
@@ -37,7 +37,7 @@ pub(super) fn meta(header: &Header, list: &[Column]) -> Value {
     let others: Map<String, Value> = of_header(header).map(|of| (of.path.to_owned(), json!(of))).collect();
     let mut meta = json!({
         "format": "nereus",
-        "version": FORMAT_VERSION,
+        "version": header.version(),
         "channels": header.channels.iter().map(|c| &c.name).collect::<Vec<_>>(),
         "channel": header.channels,
         "pairs": header.pairs,
@@ -80,7 +80,9 @@ pub(super) fn described(
     let foreign = |detail: String| RecordingError::Foreign { path: folder.to_owned(), detail };
     let meta: Value = serde_json::from_slice(meta).map_err(|error| foreign(format!("meta.json: {error}")))?;
     let mut header = header(&meta).ok_or_else(|| {
-        foreign(format!("meta.json is not that of a nereus recording, version {FORMAT_VERSION}"))
+        foreign(format!(
+            "meta.json is not that of a nereus recording, version {FORMAT_VERSION} or {WINDOWS_VERSION}"
+        ))
     })?;
     header.replica = values::<Complex32>(replica);
     header.check()?;
@@ -111,7 +113,8 @@ pub(super) fn values<T: Pod>(bytes: &[u8]) -> Vec<T> {
 
 /// The header without its replica.
 fn header(meta: &Value) -> Option<Header> {
-    if meta["format"] != "nereus" || meta["version"] != FORMAT_VERSION {
+    let version = read(&meta["version"])?;
+    if meta["format"] != "nereus" || !(FORMAT_VERSION..=WINDOWS_VERSION).contains(&version) {
         return None;
     }
     let real = |key: &str| meta[key].as_f64();
@@ -151,7 +154,7 @@ fn header(meta: &Value) -> Option<Header> {
     let format = [SampleFormat::Cf32, SampleFormat::Ci16]
         .into_iter()
         .find(|format| iq["dtype"] == Element::from(*format).numpy())?;
-    header.count(read(&iq["shape"][1])?, format);
+    header.count(version, read(&iq["shape"][1])?, format);
     Some(header)
 }
 

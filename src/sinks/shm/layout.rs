@@ -6,7 +6,7 @@ use iceoryx2::prelude::ZeroCopySend;
 
 use crate::pulse::{PlatformRecord, Pulse, SampleFormat};
 use crate::recording::header::Header;
-use crate::sinks::description::VERSION;
+use crate::sinks::description::version;
 
 /// Words of 8 bytes that the state of a platform takes.
 pub const STATE_WORDS: usize = 12;
@@ -28,7 +28,7 @@ pub struct PulseHeader {
     pub time_ns: i64,
     /// The rest of it, ns.
     pub time_frac_ns: f64,
-    /// First sample after the emission, s.
+    /// First sample after the emission, s: of all channels, or of the first.
     pub window_start_s: f64,
     /// sqrt(W) a code: sample = (code + 1/2) step; 1 where samples are not codes.
     pub adc_step: f64,
@@ -46,8 +46,8 @@ pub struct PulseHeader {
     pub tx_pol: u8,
     /// 1: the run has ended, `sequence` pulses were published; there are no samples.
     pub end: u8,
-    /// 0.
-    pub reserved: u8,
+    /// Receivers whose windows follow the samples; 0 where all have the same.
+    pub windows: u8,
 }
 
 impl PulseHeader {
@@ -55,7 +55,8 @@ impl PulseHeader {
     pub(super) fn of_run(header: &Header, source: u64) -> Self {
         let size = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
         Self {
-            version: VERSION,
+            version: version(header),
+            windows: u8::try_from(header.layout.windows).unwrap_or(u8::MAX),
             adc_step: header.adc.map_or(1.0, |adc| adc.step),
             source,
             channels: size(header.layout.channels),
@@ -93,7 +94,7 @@ impl PulseHeader {
         }
     }
 
-    /// Words of 8 bytes behind this header: states, then samples.
+    /// Words of 8 bytes behind this header: states, then samples, then starts of windows.
     pub fn words(&self) -> Option<usize> {
         if self.end != 0 {
             return Some(0);
@@ -103,7 +104,8 @@ impl PulseHeader {
             SampleFormat::Ci16 => 4,
         };
         let samples = (self.channels as usize).checked_mul(self.samples as usize)?.checked_mul(bytes)?;
-        (self.platforms as usize).checked_mul(STATE_WORDS)?.checked_add(samples.div_ceil(8))
+        let behind = samples.div_ceil(8).checked_add(usize::from(self.windows))?;
+        (self.platforms as usize).checked_mul(STATE_WORDS)?.checked_add(behind)
     }
 }
 

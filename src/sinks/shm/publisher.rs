@@ -200,6 +200,7 @@ impl Sink for ShmSink {
         let header = self.common.of_pulse(pulse, self.written);
         let bytes = pulse.samples.as_bytes();
         let states = pulse.nav_reported.len() * STATE_WORDS;
+        let windows = self.words - usize::from(header.windows);
         let record = |place: usize| {
             let state = layout::words_of(&pulse.nav_reported[place / STATE_WORDS]);
             state[place % STATE_WORDS]
@@ -207,6 +208,9 @@ impl Sink for ShmSink {
         let published = self.publish(header, self.words, |place| {
             if place < states {
                 return record(place);
+            }
+            if let Some(receiver) = place.checked_sub(windows) {
+                return pulse.window_start_of(receiver).to_bits();
             }
             let at = (place - states) * 8;
             match bytes.get(at..at + 8) {

@@ -19,7 +19,7 @@ use super::datagram::{Datagram, Difi, Type};
 use super::link::{self, Link};
 use super::packets::{CHANNEL_STREAM, ci16};
 use super::stamp::{Span, Stamp};
-use super::{Counts, DESCRIBE_S, MTU_BYTES, Settings};
+use super::{Counts, DESCRIBE_S, MTU_BYTES, Settings, receivers};
 use crate::pulse::{Pulse, Samples};
 use crate::recording::header::{AdcRow, Header};
 use crate::sinks::sink::{Closed, Sink, SinkError, SinkReport};
@@ -51,6 +51,8 @@ pub struct DifiSink {
     signal: Counts,
     context: Counts,
     version: Counts,
+    /// Receiver of each channel.
+    receivers: Vec<usize>,
     pulses: u64,
     bytes: u64,
 }
@@ -107,6 +109,7 @@ impl DifiSink {
             signal: Counts::new(channels),
             context: Counts::new(channels),
             version: Counts::new(channels),
+            receivers: receivers(header),
             pulses: 0,
             bytes: 0,
         })
@@ -129,9 +132,9 @@ impl DifiSink {
     /// Every channel, packet by packet.
     fn send_samples(&mut self, pulse: &Pulse) {
         let Samples::Ci16(all) = &pulse.samples else { return };
-        let after = Span::of_seconds(pulse.window_start_s);
         for (channel, window) in all.chunks_exact(self.header.layout.samples).enumerate() {
             let stream = CHANNEL_STREAM + channel as u32;
+            let after = Span::of_seconds(pulse.window_start_of(self.receivers[channel]));
             for (samples, &offset) in window.chunks_exact(self.piece).zip(&self.offsets) {
                 let at = Stamp::new(pulse.time, after, offset);
                 let count = self.signal.next(channel);

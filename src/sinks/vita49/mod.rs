@@ -37,7 +37,7 @@
 //! use nereus::time::TimeTag;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let layout = Layout { channels: 1, samples: 384, format: SampleFormat::Cf32, platforms: 1,
-//!     antennas: 0, targets: 0, pairs: 0, ships: 0, clocks: 0 };
+//!     antennas: 0, targets: 0, pairs: 0, windows: 0, ships: 0, clocks: 0 };
 //! let channel = ChannelRow { name: "HH".into(), transmitter: "tx".into(), receiver: "rx".into(), polarisations: "HH".into(),
 //!     transmit_basis: "ludwig-3".into(), receive_basis: "ludwig-3".into() };
 //! let header = Header { software: "example".into(), carrier_hz: 10e9, sample_rate_hz: 100e6, bandwidth_hz: 60e6,
@@ -167,6 +167,8 @@ pub struct Vita49Sink {
     radar: Counts,
     antennas: Counts,
     replica: Replica,
+    /// Receiver of each channel.
+    receivers: Vec<usize>,
     pulses: u64,
     bytes: u64,
 }
@@ -196,6 +198,11 @@ impl Replica {
 /// Whether the sink could be opened as far as names go; nothing is sent.
 pub(super) fn preflight(settings: &Settings) -> Result<(), SinkError> {
     settings.bind.iter().chain([&settings.address]).try_for_each(|address| resolve(address).map(|_| ()))
+}
+
+/// The receiver of each channel.
+pub(super) fn receivers(header: &Header) -> Vec<usize> {
+    (0..header.layout.channels).map(|channel| header.receiver_of(channel).unwrap_or(0)).collect()
 }
 
 impl Vita49Sink {
@@ -241,6 +248,7 @@ impl Vita49Sink {
             radar: Counts::new(2),
             antennas: Counts::new(layout.antennas),
             replica: Replica::new(header, room),
+            receivers: receivers(header),
             pulses: 0,
             bytes: 0,
         })
@@ -306,11 +314,11 @@ impl Vita49Sink {
 
     /// Every channel, piece by piece.
     fn send_samples(&mut self, pulse: &Pulse) {
-        let after = Span::of_seconds(pulse.window_start_s);
         let saturated = pulse.flags & flags::ADC_SATURATED != 0;
         let samples = self.header.layout.samples;
         for channel in 0..self.header.layout.channels {
             let stream = CHANNEL_STREAM + channel as u32;
+            let after = Span::of_seconds(pulse.window_start_of(self.receivers[channel]));
             for (piece, &offset) in self.offsets.iter().enumerate() {
                 let at = Stamp::new(pulse.time, after, offset);
                 let start = piece * self.piece;

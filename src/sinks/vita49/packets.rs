@@ -198,17 +198,25 @@ pub(super) fn run_description<'a>(
     // An addition: how much there is to wait for. One who describes no radar leaves it out.
     if header.instrument.is_some() {
         packet.u32(header.layout.antennas as u32).u32(radar::replica_samples(header) as u32);
+        // Another: receivers whose windows stand in every state.
+        if header.layout.windows > 0 {
+            packet.u32(header.layout.windows as u32).u32(0);
+        }
     }
     packet.end()
 }
 
-/// Whether every description fits a datagram.
+/// Bytes of a state without windows of receivers.
+const STATE_BYTES: usize = 216;
+
+/// Whether every description fits a datagram, and a state with all windows of receivers.
 pub(super) fn check(header: &Header, room: usize) -> Result<(), RecordingError> {
     let texts = |texts: &[&String]| texts.iter().map(|text| text_bytes(text)).sum::<usize>();
     let channels = header.channels.iter().map(|row| 32 + texts(&channel_texts(row)));
     let platforms = header.platforms.iter().map(|name| 8 + texts(&[name]));
     let others = [112 + texts(&[&header.software]), header.instrument.as_ref().map_or(0, radar::longest)];
-    let longest = channels.chain(platforms).chain(others).max().unwrap_or(0);
+    let state = (header.layout.windows > 0).then_some(STATE_BYTES + 8 * header.layout.windows);
+    let longest = channels.chain(platforms).chain(others).chain(state).max().unwrap_or(0);
     if EXTENSION_PROLOGUE + longest > room {
         return Err(RecordingError::Header {
             field: "names",
@@ -319,7 +327,7 @@ pub(super) fn state<'a>(
     };
     let record = pulse.nav_reported.get(platform).copied().unwrap_or_default();
     let earth = earth.unwrap_or(&NOWHERE);
-    datagram
+    let packet = datagram
         .begin(Type::Extension(STATE), PLATFORM_STREAM + platform as u32, count, at)
         .u64(pulse.index)
         .u32(pulse.flags)
@@ -335,6 +343,10 @@ pub(super) fn state<'a>(
         .f64s(&record.attitude_quat)
         .f64s(&earth.position_m)
         .f64s(&earth.velocity_mps)
-        .f64s(&earth.attitude_quat)
-        .end()
+        .f64s(&earth.attitude_quat);
+    // An addition, of receivers with windows of their own.
+    for start_s in &pulse.receiver_window_start_s {
+        packet.f64(*start_s);
+    }
+    packet.end()
 }

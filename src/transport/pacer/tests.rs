@@ -16,6 +16,7 @@ pub const LAYOUT: Layout = Layout {
     antennas: 0,
     targets: 0,
     pairs: 0,
+    windows: 0,
     ships: 0,
     clocks: 0,
 };

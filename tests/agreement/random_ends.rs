@@ -1,0 +1,61 @@
+//! More transmitters and receivers of random scenes.
+
+use std::fmt::Write as _;
+
+use rand::Rng;
+
+use super::random_scene::{Draw, Flight, Geometry, Signal, line};
+
+/// Now and then another transmitter, and receivers elsewhere: with windows of their own that follow or are
+/// fixed, on their own platform or beside others, some of which hear one transmitter alone.
+pub(super) fn more_ends(draw: &mut Draw, (geometry, signal): (&Geometry, &Signal), out: &mut String) {
+    if !draw.chance(0.25) {
+        return;
+    }
+    let place = |flight: Flight, n: usize, out: &mut String| {
+        line!(out, "[[platform]]\nname = \"q{n}\"");
+        let Flight { position_m, velocity_mps } = flight;
+        match velocity_mps == [0.0; 3] {
+            true => line!(out, "track = {{ kind = \"fixed\", position_m = {position_m:?} }}"),
+            false => line!(
+                out,
+                "track = {{ kind = \"straight\", position_m = {position_m:?}, velocity_mps = {velocity_mps:?} }}"
+            ),
+        }
+    };
+    let looks = "antenna = { kind = \"isotropic\", gain_dbi = 12.0 }\npointing = { kind = \"at\", position_m = [0.0, 0.0, 0.0] }";
+    let sends = draw.chance(0.3);
+    if sends {
+        place(Flight::drawn(draw, geometry.kind, geometry.lasts_s), 0, out);
+        line!(out, "[[transmitter]]\nname = \"b0\"\nplatform = \"q0\"\npower_w = 5.0\n{looks}");
+    }
+    for n in 1..=draw.one(&[1, 1, 2]) {
+        let flight = Flight::drawn(draw, geometry.partner, geometry.lasts_s);
+        let apart = draw.chance(0.8);
+        if apart {
+            place(flight, n, out);
+        }
+        let platform = if apart { format!("q{n}") } else { "p0".to_owned() };
+        line!(out, "[[receiver]]\nname = \"b{n}\"\nplatform = \"{platform}\"\n{looks}");
+        if sends && draw.chance(0.6) {
+            line!(out, "hears = [\"{}\"]", draw.one(&["a0", "b0"]));
+        }
+        // What the patch returns to it of the first transmitter.
+        let mut own = *geometry;
+        own.other = if apart { flight } else { geometry.own };
+        let [nearest_s, farthest_s] = own.delays_s();
+        match draw.0.next_u64() % 3 {
+            0 => line!(out, "window = {{ start_us = {:?} }}", 1e6 * nearest_s),
+            1 => {
+                let lead_us =
+                    1e6 * (0.5 * (farthest_s - nearest_s)).min(0.4 * signal.samples as f64 / signal.rate_hz);
+                line!(
+                    out,
+                    "window = {{ follow = {{ kind = \"at\", position_m = [0.0, 0.0, 0.0], lead_us = {lead_us:?} }} }}"
+                );
+            }
+            // That of all.
+            _ => {}
+        }
+    }
+}
