@@ -31,6 +31,10 @@ const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
 /// Units from node to node of the panels of ships.
 const PANEL_PULSES: [u64; 12] = [21, 16, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1];
 
+/// Where the farthest point of the patch is so many times as far from an antenna as the nearest, a few facets
+/// return most, and a sample says little of them: nodes then lie as close as at low PRFs, whatever it says.
+const UNEVEN: f64 = 4.0;
+
 /// The spacing that nodes then have, pulses.
 fn spacing_within(spacing: u64, overlap: u64, hold_pulses: Option<u64>) -> u64 {
     let emissions = (block_length(spacing, overlap, hold_pulses) + overlap).min(block_pulses(spacing));
@@ -67,7 +71,7 @@ impl<'a> Chooser<'a> {
         asked: &Asked,
     ) -> Result<Self, PlanError> {
         // Steps that are given need not be whole units.
-        let whole = asked.gain_pulses.or(asked.panel_pulses).is_none();
+        let whole = asked.gain_pulses.or(asked.panel_pulses).is_none() && generator.range_ratio()? <= UNEVEN;
         let unit = if whole { unit_of(&scene.radar, scene.pulses) } else { 1 };
         let of_run = (scene.pulses, unit);
         let mut sampler =

@@ -55,6 +55,30 @@ impl PathGenerator {
         Ok(longest_s)
     }
 
+    /// How many times as far from an antenna the farthest point of the patch is as the nearest, at either end
+    /// of the run; 1 without a sea.
+    ///
+    /// # Errors
+    /// A track that does not cover the run.
+    pub fn range_ratio(&self) -> Result<f64, RadarError> {
+        let (mut emission, mut ratio) = (Emission::default(), 1f64);
+        for index in [0, self.pulses.saturating_sub(1)] {
+            let Some(patch) = self.patch_of(index)? else { return Ok(1.0) };
+            self.evaluate(index, &mut emission)?;
+            let last = [0, 1].map(|i| patch.first[i] + patch.facets[i] as i64 - 1);
+            let (low, high) = (patch.centre_m(patch.first), patch.centre_m(last));
+            for centre in &emission.centres {
+                let p = centre.position.to_array();
+                let range_m = |x: f64, y: f64| (p[0] - x).hypot(p[1] - y).hypot(p[2]).max(patch.facet_m);
+                let nearest_m = range_m(p[0].clamp(low[0], high[0]), p[1].clamp(low[1], high[1]));
+                let corners = [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]];
+                let farthest_m = corners.iter().map(|[x, y]| range_m(*x, *y)).fold(0.0, f64::max);
+                ratio = ratio.max(farthest_m / nearest_m);
+            }
+        }
+        Ok(ratio)
+    }
+
     /// Samples that images of pulses keep from the window, on either side: more where the window holds echoes
     /// from near by and from far away, at any of a few dozen instants spread over the run.
     pub(super) fn find_guard_samples(&self) -> Result<usize, RadarError> {
