@@ -4,7 +4,7 @@
 //! tracks -> generator -> paths -> echo -> spectrum -> receiver -> samples
 //! ```
 //!
-//! Echoes are an engine's ([`super::engine`]): the reference, or the fast one in blocks or pulse by pulse
+//! Echoes are an engine's (`pipeline::engine`): the reference, or the fast one in blocks or pulse by pulse
 //! ([`Fidelity`](crate::echo::Fidelity)).
 //!
 //! A pulse depends on its number alone, so any thread may make any pulse and the bits are the same.
