@@ -26,6 +26,7 @@ use super::columns::Rows;
 use super::fault::RecordingError;
 use super::hdf5::fault::Fault;
 use super::hdf5::file::recognise;
+use super::hdf5::header::Segment;
 use super::hdf5::reader::Reader;
 use super::hdf5::writer::Writer;
 use super::header::Header;
@@ -211,8 +212,9 @@ pub fn merge(shards: &[PathBuf], out: &Path, force: bool) -> Result<MergeReport,
     // Every shard has all changes up to its last pulse.
     header.changes = list.iter().rev().find_map(|shard| shard.header.changes.clone());
 
-    let mut recording = Writer::create(Draft::named(out), &header, earliest.after)
-        .map_err(Fault::at(out, "making the result"))?;
+    let mut recording =
+        Writer::create(Draft::named(out), &header, Segment { number: 0, after: earliest.after })
+            .map_err(Fault::at(out, "making the result"))?;
     if let Err(error) = list.iter().try_for_each(|shard| copy(shard, &mut recording)) {
         recording.abandon();
         return Err(error);

@@ -16,6 +16,7 @@ use crate::pulse::Pulse;
 use crate::recording::columns::{Column, Rows, columns};
 use crate::recording::hdf5::fault::Fault;
 use crate::recording::hdf5::file::{is_later_segment, recognise};
+use crate::recording::hdf5::header::Segment;
 use crate::recording::hdf5::reader::readable;
 use crate::recording::hdf5::writer::{Writer, chunk_pulses};
 use crate::recording::header::Header;
@@ -77,8 +78,8 @@ pub(super) fn named_as_segments(path: &Path) -> Vec<(u64, PathBuf)> {
     found
 }
 
-/// Files of an earlier run that this output would replace: of segments the first, which every run makes, and
-/// those that were written after another.
+/// Files of an earlier run that this output would replace: of segments the first, which most runs make, and
+/// those that were written as later ones.
 fn existing(path: &Path, segment_s: Option<f64>) -> Vec<PathBuf> {
     if segment_s.is_none() {
         return if fs::symlink_metadata(path).is_ok() { vec![path.to_owned()] } else { Vec::new() };
@@ -178,7 +179,8 @@ impl Hdf5Sink {
     }
 
     fn open(&mut self, path: PathBuf) -> Result<(), SinkError> {
-        let mut recording = Writer::create(Draft::named(&path), &self.header, self.last)
+        let segment = Segment { number: self.segment, after: self.last };
+        let mut recording = Writer::create(Draft::named(&path), &self.header, segment)
             .map_err(Fault::at(&path, "making the recording"))?;
         if let Err(fault) = recording.place_early(self.force) {
             recording.abandon();

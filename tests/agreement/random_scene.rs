@@ -374,7 +374,7 @@ fn on_the_sea(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
         );
     }
     if draw.chance(0.12) {
-        let length_m = draw.log(4.0, 60.0).min(size_m[0]);
+        let length_m = draw.log(4.0, 60.0).min(size_m[0]).max(0.05);
         line!(
             out,
             "[[ship]]\nhull = \"wigley\"\nlength_m = {length_m:?}\nbeam_m = {:?}\ndraught_m = {:?}\nposition_m = [{:?}, {:?}]\nheading_deg = {:?}\nspeed_mps = {:?}",

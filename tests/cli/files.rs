@@ -386,6 +386,9 @@ fn segments_of_others_stay() {
     assert_eq!((pulses("rec_0001.h5"), pulses("rec_0003.h5")), (50.into(), 100.into()));
     assert_eq!(report["out"][0]["kept"].as_array().unwrap().len(), 3, "{report}");
     assert!(stderr.contains("rec_0000.h5 and 2 more: older, not removed, because the run"), "{stderr}");
+    // A run that begins with a later segment, as one whose first pulses come too late.
+    fs::remove_file(folder.path().join("rec_0003.h5")).unwrap();
+    ended(&["--pace", "fast", "--duration-s", "0.4", "--pulses", "300..400", "--force"]);
     // Ctrl-C when the first segment has begun.
     let child = run(&["--set", "stream.pace=realtime", "--duration-s", "40", "--force"]).spawn().unwrap();
     let begun = Instant::now();

@@ -58,9 +58,9 @@ pub(super) fn after_pulse(file: &File) -> Option<u64> {
     file.attr("after_pulse").ok()?.read_scalar::<u64>().ok()
 }
 
-/// Whether a file was written as a segment after another.
+/// Whether a file was written as a segment beyond the first, which a run may begin with.
 pub(crate) fn is_later_segment(path: &Path) -> bool {
-    own(path).is_some_and(|file| after_pulse(&file).is_some())
+    own(path).is_some_and(|file| file.attr("segment").is_ok() || after_pulse(&file).is_some())
 }
 
 /// Whether a recording was received over the wire.

@@ -35,11 +35,22 @@ struct PairRecord {
     receiver: VarLenUnicode,
 }
 
-/// Writes everything of the header that is not per pulse; `/iq` gets the converter's step. `after` is the
-/// last pulse of the segment before this file.
-pub(super) fn write(file: &File, iq: &Dataset, header: &Header, after: Option<u64>) -> Result<(), Fault> {
-    if let Some(after) = after {
+/// Which part of a recording in segments a file is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Segment {
+    /// From 0; 0 without segments.
+    pub number: u64,
+    /// Last pulse of the segment before it.
+    pub after: Option<u64>,
+}
+
+/// Writes everything of the header that is not per pulse; `/iq` gets the converter's step.
+pub(super) fn write(file: &File, iq: &Dataset, header: &Header, segment: Segment) -> Result<(), Fault> {
+    if let Some(after) = segment.after {
         attribute(file, "after_pulse", &after)?;
+    }
+    if segment.number > 0 {
+        attribute(file, "segment", &segment.number)?;
     }
     attribute(file, "format", &text("nereus")?)?;
     attribute(file, "version", &header.version())?;

@@ -26,7 +26,7 @@ pub(crate) mod attributes;
 mod changes;
 pub(crate) mod fault;
 pub(crate) mod file;
-mod header;
+pub(crate) mod header;
 pub(crate) mod reader;
 mod sizes;
 mod superblock;

@@ -14,7 +14,7 @@ use ndarray::{ArrayViewD, IxDyn};
 use super::changes::ChangeTable;
 use super::fault::Fault;
 use super::file::{shape, slab};
-use super::header;
+use super::header::{self, Segment};
 use crate::files::{Draft, FileFault, Holding};
 use crate::recording::columns::{Column, Element, Rows, columns};
 use crate::recording::header::Header;
@@ -84,12 +84,11 @@ fn create_dataset<T: H5Type>(file: &File, column: &Column) -> Result<Dataset, Fa
 }
 
 impl Writer {
-    /// Makes the file under the name of this process; readers may open it from now on. `after` is the last
-    /// pulse of the segment before it.
+    /// Makes the file under the name of this process; readers may open it from now on.
     ///
     /// It may get its own name then, complete up to its pulses: a kill meanwhile leaves no file of that name
     /// that nothing can open.
-    pub(crate) fn create(mut draft: Draft, header: &Header, after: Option<u64>) -> Result<Self, Fault> {
+    pub(crate) fn create(mut draft: Draft, header: &Header, segment: Segment) -> Result<Self, Fault> {
         let file = File::with_options()
             .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V110, LibraryVersion::V110))
             .create_excl(draft.path());
@@ -104,7 +103,7 @@ impl Writer {
             }
         };
         draft.made(Holding::File).map_err(|fault| Fault::Text(fault.to_string()))?;
-        match Self::fill(file, header, after) {
+        match Self::fill(file, header, segment) {
             Ok((file, datasets, changes)) => {
                 draft.lock();
                 let pending = Vec::with_capacity(4096);
@@ -117,7 +116,7 @@ impl Writer {
         }
     }
 
-    fn fill(file: File, header: &Header, after: Option<u64>) -> Result<Made, Fault> {
+    fn fill(file: File, header: &Header, segment: Segment) -> Result<Made, Fault> {
         let list = columns(header);
         let mut datasets = Vec::with_capacity(list.len());
         for column in &list {
@@ -133,7 +132,7 @@ impl Writer {
             }?);
         }
         if let Some(iq) = datasets.first() {
-            header::write(&file, iq, header, after)?;
+            header::write(&file, iq, header, segment)?;
         }
         let changes = header.changes.as_ref().map(|log| ChangeTable::create(&file, log)).transpose()?;
         header::describe(&file, list.iter().zip(&datasets), header)?;
