@@ -34,7 +34,8 @@ impl PathGenerator {
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<bool, RadarError> {
-        let in_window = self.emissions_in_window(index, &workspace.own, &Window::hull(windows))?;
+        let in_window =
+            self.emissions_in_window(index, &workspace.own, &Window::hull(windows.iter().copied()))?;
         workspace.costs.lap(Stage::Record);
         self.append_others(index, in_window.start..in_window.end.min(index), windows, workspace, paths)?;
         let Workspace { own, other, amplitude, ships, sea, costs, places, .. } = &mut *workspace;

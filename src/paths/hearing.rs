@@ -27,6 +27,6 @@ impl Hearing {
     /// Start of the window that is first to receive it, s after the emission.
     pub fn opens_s(&self) -> f64 {
         let latest_s = self.offsets_s.iter().copied().reduce(f64::max).unwrap_or(0.0);
-        Window::hull(&self.windows).open_s - latest_s
+        Window::hull(self.windows.iter().copied()).open_s - latest_s
     }
 }

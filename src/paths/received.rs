@@ -112,11 +112,7 @@ impl PathGenerator {
         let pulses = windows_s.first().map_or(0, Vec::len);
         let hull = |pulse: usize| {
             let starts_s = windows_s.iter().filter_map(|of| of.get(pulse));
-            let [first_s, last_s] =
-                starts_s.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], own| [a.min(*own), b.max(*own)]);
-            let mut hull = Window::new(&self.radar, first_s, self.pulse_length_s);
-            hull.close_s = Window::new(&self.radar, last_s, self.pulse_length_s).close_s;
-            hull
+            Window::hull(starts_s.map(|start_s| Window::new(&self.radar, *start_s, self.pulse_length_s)))
         };
         let (at, count) = nodes_within(pulses);
         let (mut spans, mut fastest_mps) = ([None; NODES], 0f64);

@@ -131,23 +131,22 @@ impl PathGenerator {
         let t = self.radar.emissions.emission(self.start, index);
         out.clear();
         for window in 0..self.windows() {
-            let opens_s = self.window_start_s(window, index, t)?;
-            out.push(Window::new(&self.radar, opens_s, self.pulse_length_s));
+            out.push(self.window_at(window, index, t)?);
         }
         Ok(())
+    }
+
+    /// A window of the pulse emitted at `t`, as it is.
+    fn window_at(&self, window: usize, index: u64, t: TimeTag) -> Result<Window, RadarError> {
+        Ok(Window::new(&self.radar, self.window_start_s(window, index, t)?, self.pulse_length_s))
     }
 
     /// What lies between the first start and the last end of them.
     pub(super) fn hull_at(&self, index: u64) -> Result<Window, RadarError> {
         let t = self.radar.emissions.emission(self.start, index);
-        let [mut first_s, mut last_s] = [self.window_start_s(0, index, t)?; 2];
-        for window in 1..self.windows() {
-            let start_s = self.window_start_s(window, index, t)?;
-            (first_s, last_s) = (first_s.min(start_s), last_s.max(start_s));
-        }
-        let [first, last] =
-            [first_s, last_s].map(|opens_s| Window::new(&self.radar, opens_s, self.pulse_length_s));
-        Ok(Window { close_s: last.close_s, ..first })
+        let first = self.window_at(0, index, t)?;
+        (1..self.windows())
+            .try_fold(first, |hull, window| Ok(hull.hull_with(self.window_at(window, index, t)?)))
     }
 
     /// Writes into a record when its windows open by the clocks of the radar, in place of when they do.

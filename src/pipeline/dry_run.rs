@@ -44,6 +44,8 @@ const TRIES: u32 = 5;
 const CLOSER_DB: f64 = 3.0;
 /// How far below what is asked exact pulses are, dB: long pulses are then made in fewer bands of Doppler.
 const FINER_DB: f64 = 30.0;
+/// How far below what is asked pulses one by one are tried before exact ones, dB.
+const HALFWAY_DB: f64 = 15.0;
 /// What exact scatterer paths on the finest grid are themselves off the reference, and other instructions
 /// round otherwise, dB.
 const MORE_DB: f64 = 1.0;
@@ -114,11 +116,13 @@ pub(crate) fn plan(
     if asked.node_pulses.is_some() {
         return Ok(best);
     }
-    for finer_db in [0.0, 0.5 * FINER_DB, FINER_DB] {
-        tries += 1;
-        let error_db = if finer_db < FINER_DB { asked.error_db - finer_db } else { EXACT_DB };
-        let error_db = error_db.max(EXACT_DB);
-        let plan = choose(&mut chooser, error_db, Some(1))?;
+    for error_db in [asked.error_db, asked.error_db - HALFWAY_DB, EXACT_DB] {
+        let plan = choose(&mut chooser, error_db.max(EXACT_DB), Some(1))?;
+        // The same settings again say the same again.
+        if plan.chosen == tried.chosen {
+            continue;
+        }
+        (tried, tries) = (plan, tries + 1);
         let Some(found) = trial.judged(plan, tries)? else { return Ok(plan) };
         if found.keeps() {
             return Ok(found);

@@ -40,12 +40,14 @@ impl Window {
     }
 
     /// What lies between the first start and the last end of some windows, one at least.
-    pub(crate) fn hull(windows: &[Self]) -> Self {
-        let mut hull = windows.first().copied().unwrap_or(Self::UNBOUNDED);
-        for other in windows {
-            (hull.open_s, hull.close_s) = (hull.open_s.min(other.open_s), hull.close_s.max(other.close_s));
-        }
-        hull
+    pub(crate) fn hull(windows: impl IntoIterator<Item = Self>) -> Self {
+        windows.into_iter().reduce(Self::hull_with).unwrap_or(Self::UNBOUNDED)
+    }
+
+    /// What lies between the first start and the last end of two.
+    pub(crate) fn hull_with(self, other: Self) -> Self {
+        let (open_s, close_s) = (self.open_s.min(other.open_s), self.close_s.max(other.close_s));
+        Self { open_s, close_s, ..self }
     }
 
     /// Whether an echo that begins at `begin_s` reaches into the window.

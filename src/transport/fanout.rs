@@ -8,7 +8,7 @@
 //! A sink that is gone ends the run, unless it may fail: then the others go on without it.
 //!
 //! Nothing is copied: sinks, and a [`View`], share the pulse in its slot, see [`pool`](super::pool). Only a
-//! sink that missed pulses before one gets a copy of that one, made by itself, to be told so.
+//! sink that missed pulses before one gets a copy of that one, made by itself, with a flag that says so.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

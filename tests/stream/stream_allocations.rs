@@ -6,7 +6,6 @@
 
 use std::alloc::{GlobalAlloc, Layout as Memory, System};
 use std::cell::Cell;
-use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -21,7 +20,7 @@ use nereus::transport::view;
 use nereus::transport::{Pace, Policy, Settings};
 
 use crate::cases::{cases, sized};
-use crate::stream_fixture::{LAYOUT, generate};
+use crate::stream_fixture::{LAYOUT, generate, in_a_process_of_its_own};
 
 struct Counting;
 
@@ -46,21 +45,9 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Runs one ignored test of this file alone.
-fn in_a_process_of_its_own(test: &str) {
-    let test = format!("stream_allocations::{test}");
-    let child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", &test, "--ignored", "--nocapture", "--test-threads=1"])
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&child.stdout);
-    println!("{text}{}", String::from_utf8_lossy(&child.stderr));
-    assert!(child.status.success() && text.contains("1 passed"));
-}
-
 #[test]
 fn steady_state_allocates_nothing() {
-    in_a_process_of_its_own("counted_run");
+    in_a_process_of_its_own("stream_allocations::counted_run");
 }
 
 #[test]
@@ -126,7 +113,7 @@ fn counted_run() {
 /// time.
 #[test]
 fn making_pulses_allocates_nothing() {
-    in_a_process_of_its_own("counted_pipeline");
+    in_a_process_of_its_own("stream_allocations::counted_pipeline");
 }
 
 #[test]
@@ -156,7 +143,7 @@ fn made() -> u64 {
 /// What else a scene may have, on a patch that stays and on one that follows, in blocks and pulse by pulse.
 #[test]
 fn all_effects_allocate_nothing() {
-    in_a_process_of_its_own("counted_effects");
+    in_a_process_of_its_own("stream_allocations::counted_effects");
 }
 
 #[test]
@@ -208,7 +195,7 @@ fn counted_effects() {
 /// The wire: to a receiver that listens, and to none; descriptions once a second included.
 #[test]
 fn sending_pulses_allocates_nothing() {
-    in_a_process_of_its_own("counted_wire");
+    in_a_process_of_its_own("stream_allocations::counted_wire");
 }
 
 #[test]
@@ -231,7 +218,7 @@ fn is_free(mut address: std::net::SocketAddr, next: u16) -> bool {
 /// ZeroMQ in both forms, to a subscriber that reads.
 #[test]
 fn publishing_pulses_allocates_nothing() {
-    in_a_process_of_its_own("counted_publishers");
+    in_a_process_of_its_own("stream_allocations::counted_publishers");
 }
 
 #[test]
@@ -350,7 +337,7 @@ fn counted_scenario(
 /// The wake of a ship, added to the fields of a sea at many times.
 #[test]
 fn a_wake_map_allocates_nothing() {
-    in_a_process_of_its_own("counted_map");
+    in_a_process_of_its_own("stream_allocations::counted_map");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Streams whose generation does nothing but take time.
 
+use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread;
@@ -80,4 +81,15 @@ pub fn generate(source: &mut Source, first: u64, end: u64, batch: u64, each: Dur
         index += n as u64;
     }
     Ok(())
+}
+
+/// Runs one ignored test alone.
+pub fn in_a_process_of_its_own(test: &str) {
+    let child = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", test, "--ignored", "--nocapture", "--test-threads=1"])
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&child.stdout);
+    println!("{text}{}", String::from_utf8_lossy(&child.stderr));
+    assert!(child.status.success() && text.contains("1 passed"));
 }

@@ -1,7 +1,6 @@
 //! Released pulses are shared: every sink reads the same slot, and none is held up by another.
 
 use std::collections::BTreeMap;
-use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -16,7 +15,7 @@ use nereus::transport::stage::Stream;
 use nereus::transport::view::{Seen, view};
 use nereus::transport::{Pace, Policy, Settings};
 
-use crate::stream_fixture::{generate, remember, stream};
+use crate::stream_fixture::{generate, in_a_process_of_its_own, remember, stream};
 
 /// Where each pulse lay when a sink read it.
 fn places(mut feed: Feed) -> Result<BTreeMap<u64, usize>, String> {
@@ -49,7 +48,7 @@ fn all_sinks_read_the_same_slots() {
 }
 
 /// One sink takes nothing until the others have all: it misses what its queue has no room for, they miss
-/// nothing, and generation is never short of slots. What it missed it alone is told.
+/// nothing, and generation is never short of slots. Its gap is flagged to it alone.
 #[test]
 fn a_sink_that_stands_still_holds_up_nobody() {
     let mut run = stream(Pace::Realtime, Policy::Drop, 0.05, 0, 400);
@@ -84,7 +83,7 @@ fn a_sink_that_stands_still_holds_up_nobody() {
     assert!(still.iter().zip(b).all(|(one, other)| (one.index, gap(one)) == (other.index, gap(other))));
 }
 
-/// A sink that takes half of the pulses is told of its gaps; another, which reads the same slots, has none.
+/// A sink that takes half of the pulses has its gaps flagged; another, which reads the same slots, has none.
 #[test]
 fn a_gap_is_known_to_the_sink_that_has_it() {
     let mut run = stream(Pace::Realtime, Policy::Drop, 0.05, 0, 400);
@@ -146,14 +145,7 @@ fn queues_take_memory_as_they_fill() {
     if !cfg!(target_os = "linux") {
         return;
     }
-    let test = "stream_shared::resident_run";
-    let child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", test, "--ignored", "--nocapture", "--test-threads=1"])
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&child.stdout);
-    println!("{text}{}", String::from_utf8_lossy(&child.stderr));
-    assert!(child.status.success() && text.contains("1 passed"));
+    in_a_process_of_its_own("stream_shared::resident_run");
 }
 
 #[test]

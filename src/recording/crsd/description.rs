@@ -230,8 +230,8 @@ impl Description {
         if names.len() > 1 { Err(CrsdError::Platforms { end, platforms: names.join(", ") }) } else { Ok(()) }
     }
 
-    /// All channels are recorded in the same window: receivers of one platform are, unless they are told not
-    /// to.
+    /// All channels are recorded in the same window: receivers of one platform are, unless they have
+    /// windows of their own.
     fn one_window(&self, radar: &Radar) -> Result<(), CrsdError> {
         let leads = radar.window_leads();
         let window = |channel: &Channel| {
