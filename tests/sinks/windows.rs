@@ -51,7 +51,7 @@ fn recorded(path: &std::path::Path, header: &Header, hdf5: bool) {
 #[test]
 fn recordings_hold_the_window_of_every_receiver() {
     let folder = tempfile::tempdir().unwrap();
-    for hdf5 in [false, cfg!(feature = "hdf5")] {
+    for hdf5 in [false, true].into_iter().filter(|hdf5| !hdf5 || cfg!(feature = "hdf5")) {
         let path = folder.path().join(if hdf5 { "two.h5" } else { "two" });
         let sent = two(SampleFormat::Ci16);
         recorded(&path, &sent, hdf5);
