@@ -10,6 +10,7 @@ use crate::fidelity::Prediction;
 use crate::fidelity::budget::Plan;
 use crate::paths::MOST_RECEIVED;
 use crate::pipeline::memory::Predicted;
+use crate::pipeline::stages::PulseFactory;
 use crate::units::{counted, digits};
 
 const MIB: f64 = (1 << 20) as f64;
@@ -36,6 +37,30 @@ pub struct PlanReport {
     /// With every queue full, and while sinks keep up.
     predicted_rss_mib: f64,
     predicted_rss_kept_up_mib: f64,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    emitters: Vec<EmitterReport>,
+}
+
+/// What is planned for an emitter.
+#[derive(Debug, Serialize)]
+struct EmitterReport {
+    name: String,
+    /// Share of the pulses that receive it, about.
+    share_of_pulses: f64,
+    node_pulses: u64,
+    predicted_rel_rms_db: f64,
+}
+
+impl EmitterReport {
+    fn row(&self) -> Described {
+        let Self { name, share_of_pulses, node_pulses, predicted_rel_rms_db } = self;
+        let share = 100.0 * share_of_pulses;
+        let how = match node_pulses {
+            0 | 1 => "pulse by pulse".to_owned(),
+            _ => format!("nodes {node_pulses} of its emissions apart"),
+        };
+        described("emitter", format!("{name}: received by {share:.0} % of the pulses, {how}, {predicted_rel_rms_db:.1} dB predicted"))
+    }
 }
 
 /// What was made before a run.
@@ -121,8 +146,15 @@ pub fn echo_text(plan: &Plan) -> String {
 }
 
 impl PlanReport {
-    pub fn new(plan: &Plan, real_time_factor: f64, bytes: Predicted) -> Self {
+    pub fn new(plan: &Plan, factory: &PulseFactory, real_time_factor: f64, bytes: Predicted) -> Self {
+        let emitters = factory.others().filter_map(|(name, share_of_pulses, plan)| {
+            let (name, plan) = (name.to_owned(), plan?);
+            let predicted_rel_rms_db = plan.prediction.total_db();
+            let node_pulses = plan.chosen.node_pulses;
+            Some(EmitterReport { name, share_of_pulses, node_pulses, predicted_rel_rms_db })
+        });
         Self {
+            emitters: emitters.collect(),
             error_db: plan.asked.error_db,
             settings: settings::settings(Some(&plan.chosen)),
             asked: set_otherwise(plan),
@@ -184,6 +216,7 @@ impl PlanReport {
         let less = if less { "; the dry run found less than their sum" } else { "" };
         rows.push(described("by cause", format!("{} dB{less}", parts.join(", "))));
         rows.extend(tried);
+        rows.extend(self.emitters.iter().map(EmitterReport::row));
         rows.extend([
             described(
                 "relative cost",

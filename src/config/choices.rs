@@ -9,7 +9,7 @@ pub(super) use crate::motion::errors::{Between, Recorded};
 use crate::motion::gusts::LEVELS_MPS;
 pub(super) use crate::nav::{FileFormat, MotionBounds};
 pub(super) use crate::radar::clock::Oscillator;
-pub(super) use crate::scene::radar::{AimFrom, Sweep};
+pub(super) use crate::scene::radar::{AimFrom, Polarisation, Sweep};
 pub(super) use crate::scene::sea::{Averaging, Breaking, LightWinds, Permittivity, Phases, Splitting, Waves};
 pub(super) use crate::scene::ship::UpAxis;
 pub(super) use crate::scene::water::WindProfile;
@@ -133,6 +133,7 @@ words! {
         "kml" = Self::Recorded(FileFormat::Kml), "live" = Self::Live
     }
     AimFrom { "reported" = Self::Reported, "true" = Self::True }
+    Polarisation { "H" = Self::H, "V" = Self::V, "R" = Self::R, "L" = Self::L }
     Sweep { "up" = Self::Up, "down" = Self::Down }
     Oscillator { "ocxo" = Self::Ocxo, "tcxo" = Self::Tcxo, "gpsdo" = Self::Gpsdo, "rubidium" = Self::Rubidium }
     Class { "sps" = Self::Sps, "rtk" = Self::Rtk, "tactical" = Self::Tactical, "navigation" = Self::Navigation }

@@ -236,6 +236,16 @@ pub enum Problem {
         /// Sample rate.
         sample_rate_hz: f64,
     },
+    /// An emitter of whose band nothing is received.
+    #[error(
+        "its band begins {begins_hz:e} Hz off the carrier of [radar]; allowed: within half of radar.sample_rate_hz, {half_hz:e} Hz"
+    )]
+    OutOfBand {
+        /// Where the nearer edge of its band lies.
+        begins_hz: f64,
+        /// Half the sample rate.
+        half_hz: f64,
+    },
     /// A window that cannot hold one pulse.
     #[error(
         "{samples} samples ({window_s:e} s) are shorter than the pulse ({pulse_s:e} s); allowed: at least {least}"

@@ -64,6 +64,11 @@ impl ScattererPaths {
         self.amplitude.iter_mut().zip(amplitude).for_each(|(column, &a)| column.push(a));
     }
 
+    /// Turns the amplitudes of all from one on.
+    pub(crate) fn turn(&mut self, first: usize, by: Complex64) {
+        self.amplitude.iter_mut().for_each(|column| column[first..].iter_mut().for_each(|a| *a *= by));
+    }
+
     /// Makes the list `len` scatterer paths long; new ones are of zero amplitude, without offset.
     pub fn resize(&mut self, len: usize) {
         self.emission_offset_s.resize(len, 0.0);

@@ -83,6 +83,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod apart;
 mod append;
 mod aspect;
 mod breaking;
@@ -113,7 +114,6 @@ mod visibility;
 mod waves;
 mod with_sea;
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -121,6 +121,7 @@ use num_complex::Complex64;
 use crate::frames::{Enu, Point, SceneFrame};
 use crate::motion::PlatformTracks;
 use crate::motion::pointing::Surroundings;
+use crate::paths::apart::Apart;
 use crate::paths::aspect::Aspect;
 use crate::paths::drops::RainPlan;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
@@ -146,7 +147,9 @@ use crate::radar::window::{GUARD_SAMPLES, Window};
 use facets::Reception;
 use received::InAir;
 pub use received::{MOST_RECEIVED, Received};
-use sea::{Drawn, SeaFailure, SeaPlan, SeaWork};
+use sea::{SeaFailure, SeaPlan, SeaWork};
+pub(crate) use apart::scene_of;
+pub(crate) use sea::Drawn;
 pub use survey::BeyondHorizon;
 
 /// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.
@@ -230,6 +233,8 @@ pub struct PathGenerator {
     guard_samples: usize,
     in_air: InAir,
     hold_pulses: Option<u64>,
+    /// Pulses, where these are not those emitted.
+    apart: Option<Apart>,
     sea: Option<Arc<SeaPlan>>,
     clocks: Option<Arc<RunningClocks>>,
     /// Platforms by whose reports something is aimed, and the servo lag.
@@ -326,6 +331,7 @@ impl PathGenerator {
             guard_samples: GUARD_SAMPLES,
             in_air: InAir::default(),
             hold_pulses: None,
+            apart: None,
             sea: None,
             clocks: None,
             report_steered: partition::report_steered(radar),
@@ -406,7 +412,8 @@ impl PathGenerator {
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,
     /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
     /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
-    /// emission lies partly or wholly outside the window; the direct path counts as any other echo).
+    /// emission lies partly or wholly outside the window; the direct path counts as any other echo). Where
+    /// pulses are not those emitted, only `paths`: the record has its windows.
     ///
     /// # Errors
     /// A pulse outside of the run, or that its tracks do not cover; a sea or shadows that cannot be found at
@@ -418,10 +425,15 @@ impl PathGenerator {
         paths: &mut ScattererPaths,
         record: &mut Pulse,
     ) -> Result<(), RadarError> {
-        if index >= self.pulses {
-            return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
+        if index >= self.receiving_pulses() {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.receiving_pulses() });
         }
         paths.clear();
+        if self.is_apart() {
+            self.hear(index, record.window_starts_s(), workspace, paths)?;
+            workspace.costs.lap(Stage::ScattererPaths);
+            return Ok(());
+        }
         self.evaluate(index, &mut workspace.own)?;
         self.fill_record(index, &workspace.own, record)?;
         let mut windows = std::mem::take(&mut workspace.windows);
@@ -451,7 +463,7 @@ impl PathGenerator {
             emission,
             t: self.radar.emissions.emission(self.start, emitted),
             elapsed_s: self.radar.emissions.interval_s(0, emitted),
-            offset_s: self.radar.emissions.interval_s(index, emitted),
+            offset_s: self.offset_s(index, emitted),
             tx_pol: self.radar.tx_polarisation.of_pulse(emitted),
             axes_span_s: self.axes_span_s,
             windows,
@@ -465,7 +477,7 @@ impl PathGenerator {
         emission: &'a Emission,
         windows: &'a [Window],
     ) -> Reception<'a> {
-        Reception { tx_pol: None, ..self.reception(index, index, emission, windows) }
+        Reception { tx_pol: None, offset_s: 0.0, ..self.reception(index, index, emission, windows) }
     }
 
     /// The buffers of the sea, made unless they are there.
@@ -525,53 +537,6 @@ impl PathGenerator {
     fn track_error(&self, index: u64, failure: TrackFailure) -> RadarError {
         let TrackFailure { platform, which, source } = failure;
         RadarError::Track { index, platform: self.platforms[platform].clone(), which, source }
-    }
-
-    /// The emissions that may be received in the window of pulse `index`.
-    fn emissions_in_window(
-        &self,
-        index: u64,
-        own: &Emission,
-        window: &Window,
-    ) -> Result<Range<u64>, RadarError> {
-        let span = self.delay_span_s(index, own)?;
-        let within = |span| self.emissions_within(index, span, self.closing_mps(&own.centres), window);
-        Ok(span.map_or(index..index, within))
-    }
-
-    /// Bounds on all delays of an emission, s; `None` where nothing returns it.
-    fn delay_span_s(&self, index: u64, emission: &Emission) -> Result<Option<(f64, f64)>, RadarError> {
-        let elapsed_s = self.radar.emissions.interval_s(0, index);
-        let targets = self.with_ships(emission.delay_span_s(), emission, elapsed_s);
-        let Some(sea) = &self.sea else { return Ok(targets) };
-        let reception = self.reception(index, index, emission, &[]);
-        let patch = sea
-            .patch_at(&reception.surroundings, reception.elapsed_s)
-            .map_err(|failure| self.track_error(index, failure))?;
-        let facets = sea.delay_span_s(&patch, &reception);
-        Ok(match (targets, facets) {
-            (Some((a, b)), Some((c, d))) => Some((a.min(c), b.max(d))),
-            (one, other) => one.or(other),
-        })
-    }
-
-    /// The first emission of the run at least `offset_s` after emission `index` (the number of
-    /// pulses if there is none).
-    fn first_emission(&self, index: u64, offset_s: f64) -> u64 {
-        // No emission is farther away, counted in pulses, than the shortest interval allows.
-        let steps = (offset_s.abs() / self.radar.emissions.shortest_pri_s()).ceil() as u64;
-        let reach = steps.saturating_add(2);
-        let mut low = if offset_s < 0.0 { index.saturating_sub(reach) } else { index };
-        let mut high = if offset_s < 0.0 { index } else { index.saturating_add(reach) }.min(self.pulses);
-        while low < high {
-            let middle = low + (high - low) / 2;
-            if self.radar.emissions.interval_s(index, middle) < offset_s {
-                low = middle + 1;
-            } else {
-                high = middle;
-            }
-        }
-        low
     }
 }
 

@@ -38,15 +38,20 @@ impl PathGenerator {
     /// # Errors
     /// A receive window that follows a platform whose track does not cover the pulse.
     pub fn window_start_of(&self, window: usize, index: u64) -> Result<f64, RadarError> {
-        self.window_start_s(window, index, self.radar.emissions.emission(self.start, index))
+        self.window_start_s(window, index, self.pulse_time(index))
     }
 
-    /// The same of the window of a pair.
+    /// The same of the window of a pair; where pulses are not those emitted, that of an emission.
     ///
     /// # Errors
     /// Those of [`Self::window_start_of`].
     pub fn pair_start_of(&self, pair: usize, index: u64) -> Result<f64, RadarError> {
-        self.window_start_of(self.plans.get(pair).map_or(0, |plan| plan.window), index)
+        let window = self.plans.get(pair).map_or(0, |plan| plan.window);
+        if self.is_apart() {
+            // That of an emission, whichever pulse receives it.
+            return self.nominal_start_s(window, index, self.radar.emissions.emission(self.start, index));
+        }
+        self.window_start_of(window, index)
     }
 
     /// Pulses for which a patch that follows stays where it is, from pulse 0 on; `None` where it stays for
@@ -66,7 +71,7 @@ impl PathGenerator {
     }
 
     /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its
-    /// scatterer paths; see [`Self::pulse`].
+    /// scatterer paths; see [`Self::pulse`]. Nothing, where pulses are not those emitted.
     ///
     /// # Errors
     /// A pulse outside of the run, or that its tracks do not cover.
@@ -76,8 +81,11 @@ impl PathGenerator {
         workspace: &mut Workspace,
         record: &mut Pulse,
     ) -> Result<(), RadarError> {
-        if index >= self.pulses {
-            return Err(RadarError::NoSuchPulse { index, pulses: self.pulses });
+        if index >= self.receiving_pulses() {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.receiving_pulses() });
+        }
+        if self.is_apart() {
+            return Ok(());
         }
         let Workspace { own, amplitude, ships, costs, windows, .. } = workspace;
         self.evaluate(index, own)?;

@@ -37,6 +37,13 @@ pub struct Received {
     alone: bool,
 }
 
+impl InAir {
+    /// Where emissions are not those of the pulses.
+    pub(super) fn of_others() -> Self {
+        Self { lags: 0..2, most: 1 }
+    }
+}
+
 impl Received {
     /// All emissions that are needed: those of the pulses where each receives nothing but its own.
     pub fn emissions(&self) -> Range<u64> {
@@ -46,6 +53,13 @@ impl Received {
     /// Emissions of each pulse.
     pub fn of_pulses(&self) -> &[Range<u64>] {
         &self.of_pulses
+    }
+
+    /// Those of some emissions that are received, from the first to the last; `None` where none is.
+    pub fn within(&self, emissions: &Range<u64>) -> Option<Range<u64>> {
+        let own = |of: &Range<u64>| of.start.max(emissions.start)..of.end.min(emissions.end);
+        let held = self.of_pulses.iter().map(own).filter(|of| !of.is_empty());
+        held.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end))
     }
 
     /// Whether each pulse receives nothing but its own emission, if at all.
@@ -91,6 +105,9 @@ impl PathGenerator {
     /// Emissions that a block needs beyond as many as it has pulses; `None` where windows receive more than
     /// [`MOST_RECEIVED`].
     pub fn overlap_pulses(&self) -> Option<u64> {
+        if self.is_apart() {
+            return Some(0);
+        }
         let InAir { lags, most } = &self.in_air;
         // One more where what is in the air changes from pulse to pulse.
         let changes = lags.end - lags.start > *most as i64;
@@ -121,9 +138,10 @@ impl PathGenerator {
         out.alone = self.receives_itself_alone();
         for (span, place) in spans.iter_mut().zip(&at[..count]) {
             let index = first + *place as u64;
-            self.evaluate(index, &mut workspace.own)?;
+            let emitted = self.emission_at(index);
+            self.evaluate(emitted, &mut workspace.own)?;
             let window = hull(*place);
-            *span = self.delay_span_s(index, &workspace.own)?;
+            *span = self.delay_span_s(emitted, &workspace.own)?;
             let own_mps = self.closing_mps(&workspace.own.centres);
             let of = span.map(|span| self.emissions_within(index, span, own_mps, &window));
             out.alone &= of.is_none_or(|of| of.is_empty() || of == (index..index + 1));
@@ -137,8 +155,8 @@ impl PathGenerator {
             let after = at[..count].partition_point(|place| *place < pulse).min(count - 1);
             let before = if at[after] == pulse { after } else { after.saturating_sub(1) };
             let gap_s = |node: usize| {
-                self.radar.emissions.interval_s(first + at[node] as u64, index).abs() * fastest_mps
-                    / SPEED_OF_LIGHT_MPS
+                let emitted = self.emission_at(first + at[node] as u64);
+                self.offset_s(index, emitted).abs() * fastest_mps / SPEED_OF_LIGHT_MPS
             };
             let within = match (spans[before], spans[after]) {
                 (Some((a, b)), Some((c, d))) => {
@@ -151,18 +169,13 @@ impl PathGenerator {
             out.of_pulses.push(of.unwrap_or(index..index));
         }
         let is_own = |(own, of): (u64, &Range<u64>)| of.is_empty() || *of == (own..own + 1);
-        out.alone = (first..).zip(&out.of_pulses).all(is_own);
+        out.alone = !self.is_apart() && (first..).zip(&out.of_pulses).all(is_own);
         if !out.alone {
             let held = out.of_pulses.iter().filter(|of| !of.is_empty());
             let hull = held.cloned().reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
             out.emissions = hull.unwrap_or(first..first);
         }
-        Ok(out.most() <= MOST_RECEIVED)
-    }
-
-    /// From the emission of a pulse to another emission, s.
-    pub fn offset_s(&self, index: u64, emitted: u64) -> f64 {
-        self.radar.emissions.interval_s(index, emitted)
+        Ok(self.is_apart() || out.most() <= MOST_RECEIVED)
     }
 
     /// What windows receive of an emission: those of the pulses that any pulse of the run receives so late,
@@ -176,9 +189,16 @@ impl PathGenerator {
     /// The same in place of what is there.
     pub(super) fn hearing_in(&self, emission: u64, out: &mut Hearing) -> Result<(), RadarError> {
         let Hearing { windows, of_pairs, offsets_s } = out;
-        self.windows_at(emission, windows)?;
         of_pairs.clear();
         of_pairs.extend(self.plans.iter().map(|plan| plan.window));
+        if self.is_apart() {
+            // Sooner or later a window receives any part of it.
+            windows.clear();
+            windows.resize(self.windows(), Window::UNBOUNDED);
+            offsets_s.clear();
+            return Ok(());
+        }
+        self.windows_at(emission, windows)?;
         let InAir { lags, most } = &self.in_air;
         offsets_s.clear();
         if !self.receives_itself_alone() && *most <= MOST_RECEIVED {
@@ -223,9 +243,62 @@ impl PathGenerator {
         first..after
     }
 
+    /// The emissions that may be received in the window of pulse `index`.
+    pub(super) fn emissions_in_window(
+        &self,
+        index: u64,
+        own: &Emission,
+        window: &Window,
+    ) -> Result<Range<u64>, RadarError> {
+        let span = self.delay_span_s(index, own)?;
+        let within = |span| self.emissions_within(index, span, self.closing_mps(&own.centres), window);
+        Ok(span.map_or(index..index, within))
+    }
+
+    /// Bounds on all delays of an emission, s; `None` where nothing returns it.
+    pub(super) fn delay_span_s(&self, index: u64, emission: &Emission) -> Result<Option<(f64, f64)>, RadarError> {
+        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        let targets = self.with_ships(emission.delay_span_s(), emission, elapsed_s);
+        let Some(sea) = &self.sea else { return Ok(targets) };
+        let reception = self.reception(index, index, emission, &[]);
+        let patch = sea
+            .patch_at(&reception.surroundings, reception.elapsed_s)
+            .map_err(|failure| self.track_error(index, failure))?;
+        let facets = sea.delay_span_s(&patch, &reception);
+        Ok(match (targets, facets) {
+            (Some((a, b)), Some((c, d))) => Some((a.min(c), b.max(d))),
+            (one, other) => one.or(other),
+        })
+    }
+
+    /// The first emission of the run at least `offset_s` after pulse `index` (the number of emissions if
+    /// there is none).
+    pub(super) fn first_emission(&self, index: u64, offset_s: f64) -> u64 {
+        // No emission is farther away, counted in pulses, than the shortest interval allows.
+        let steps = (offset_s.abs() / self.radar.emissions.shortest_pri_s()).ceil() as u64;
+        let reach = steps.saturating_add(2);
+        let [mut low, mut high] = match (self.is_apart(), offset_s < 0.0) {
+            (true, _) => [0, self.pulses],
+            (false, true) => [index.saturating_sub(reach), index.min(self.pulses)],
+            (false, false) => [index, index.saturating_add(reach).min(self.pulses)],
+        };
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if self.offset_s(index, middle) < offset_s {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
     /// Share of the echo of a pulse with such a delay that windows receive, of those that open `opens_s`
     /// after their emission: 0 to 1.
     pub fn received_share(&self, index: u64, opens_s: f64, delay_s: f64) -> f64 {
+        if self.is_apart() {
+            return 1.0;
+        }
         let window_length_s = self.radar.window.samples as f64 / self.radar.sample_rate_hz;
         let begins_s = delay_s - opens_s;
         let received_s = |later_s: f64| {

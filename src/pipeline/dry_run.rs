@@ -198,7 +198,7 @@ impl<'a> Trial<'a> {
     /// The pulses by a plan.
     fn samples(&self, plan: &Plan) -> Result<Option<Vec<Vec<Complex32>>>, BuildErrors> {
         let (scene, radar) = (self.scene, &self.radar);
-        let echo = stages::engine(Some(plan), radar, scene.pulses, self.generator, self.waveform)?;
+        let echo = stages::engine(Some(plan), radar, None, self.generator, self.waveform)?;
         let (generator, waveform) = (self.generator.clone(), Arc::clone(self.waveform));
         let factory = PulseFactory::new((echo, None), (scene, radar), generator, waveform);
         let (mut slot, mut worker) = (factory.slot(), factory.worker());

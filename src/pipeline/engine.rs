@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::fault::PulseError;
-use super::kit::Kit;
+use super::kit::{Desk, Kit};
 use crate::echo::reference::ReferenceEcho;
 use crate::fidelity::echo_settings::EchoSettings;
 use crate::paths::PathGenerator;
@@ -54,8 +54,21 @@ pub(crate) trait EchoWorker: Send {
     /// the spectrum of its echo, and has it received.
     ///
     /// # Errors
+    /// Those of [`Self::fill`].
+    fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError> {
+        for (index, pulse) in pulses.zip(slots) {
+            self.fill(index, pulse, &mut kit.desk)?;
+            kit.receive(pulse)?;
+        }
+        Ok(())
+    }
+
+    /// Fills the record of a pulse and the spectrum of its echo; of an emitter's only the spectrum, in the
+    /// windows of the record.
+    ///
+    /// # Errors
     /// A pulse that the run does not have, a track that ends early, paths that cannot be followed.
-    fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError>;
+    fn fill(&mut self, index: u64, pulse: &mut Pulse, desk: &mut Desk<'_>) -> Result<(), PulseError>;
 }
 
 /// What a worker of an engine takes of memory.
@@ -99,14 +112,12 @@ struct ReferenceWorker<'f> {
 }
 
 impl EchoWorker for ReferenceWorker<'_> {
-    fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError> {
-        for (index, pulse) in pulses.zip(slots) {
-            kit.paths.pulse(index, &mut kit.memory, &mut self.paths, pulse)?;
-            self.echo.spectrum_in(&self.paths, pulse.window_starts_s(), &mut kit.spectrum);
-            kit.memory.costs.lap(Stage::Spread);
-            kit.memory.costs.accumulated(self.paths.len() * kit.paths.pairs().len());
-            kit.receive(pulse)?;
-        }
+    fn fill(&mut self, index: u64, pulse: &mut Pulse, desk: &mut Desk<'_>) -> Result<(), PulseError> {
+        let Desk { paths: generator, memory, spectrum } = desk;
+        generator.pulse(index, memory, &mut self.paths, pulse)?;
+        self.echo.spectrum_in(&self.paths, pulse.window_starts_s(), spectrum);
+        memory.costs.lap(Stage::Spread);
+        memory.costs.accumulated(self.paths.len() * generator.pairs().len());
         Ok(())
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::dry_run;
 use super::fault::BuildErrors;
+use super::overheard::{self, Overheard};
 use super::prepared::Files;
 use super::stages::{self, PulseFactory};
 use crate::echo::Fidelity;
@@ -48,7 +49,9 @@ pub(super) fn with_files(
     let waveform = Arc::clone(files.waveform(scene)?);
     let radar = &scene.radar;
     let drawn = |sea: &Sea| files.sea(sea, scene.seed).cloned();
+    let mut others = overheard::emitting(scene, &tracks, &drawn)?;
     let generator = PathGenerator::on(scene, waveform.duration_s(), tracks, &drawn)?;
+    let (generator, waveform) = overheard::level(&mut others, generator, waveform);
     let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
     let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
     let clocks = clocks.map(Arc::new);
@@ -57,6 +60,12 @@ pub(super) fn with_files(
         Fidelity::Reference => None,
         Fidelity::Fast(asked) => Some(dry_run::plan(scene, &generator, &waveform, asked)?),
     };
-    let echo = stages::engine(plan.as_ref(), radar, scene.pulses, &generator, &waveform)?;
-    Ok(PulseFactory::new((echo, plan), (scene, radar), generator, waveform).with_clocks(clocks))
+    let echo = stages::engine(plan.as_ref(), radar, None, &generator, &waveform)?;
+    let segment = echo.segment_pulses();
+    let others: Vec<Overheard> = others
+        .into_iter()
+        .map(|other| other.planned(&generator, fidelity, segment, clocks.clone()))
+        .collect::<Result<_, _>>()?;
+    let factory = PulseFactory::new((echo, plan), (scene, radar), generator, waveform);
+    Ok(factory.with_clocks(clocks).with_others(others))
 }

@@ -4,6 +4,7 @@
 use num_complex::Complex64;
 
 use super::fault::PulseError;
+use super::overheard::{Listener, Overheard};
 use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::hull_scatterers::ShipTracks;
 use crate::pulse::Pulse;
@@ -22,14 +23,30 @@ pub(crate) struct Reception {
     pub generators: Option<Generators>,
 }
 
-/// What one worker has at hand.
-pub(crate) struct Kit<'f> {
+/// What an engine has at hand.
+pub(crate) struct Desk<'f> {
     /// Says what is where at a pulse.
     pub paths: &'f PathGenerator,
     /// Its buffers, and what pulses have cost.
     pub memory: Workspace,
-    /// Of all channels that carry echoes: filled by an engine, before a pulse is received.
+    /// Of its channels that carry echoes: what it fills.
     pub spectrum: Vec<Complex64>,
+}
+
+impl<'f> Desk<'f> {
+    /// For spectra of so many bins.
+    pub fn new(paths: &'f PathGenerator, fft_len: usize) -> Self {
+        let bins = paths.channel_pairs().len() * fft_len;
+        Self { paths, memory: paths.workspace(), spectrum: vec![Complex64::ZERO; bins] }
+    }
+}
+
+/// What one worker has at hand.
+pub(crate) struct Kit<'f> {
+    /// Of the radar's own echoes.
+    pub desk: Desk<'f>,
+    /// What is received besides.
+    others: Vec<Listener<'f>>,
     reception: &'f Reception,
     /// Of the receiver, and the levels that it met.
     pub scratch: ReceiverScratch,
@@ -38,13 +55,12 @@ pub(crate) struct Kit<'f> {
 }
 
 impl<'f> Kit<'f> {
-    pub fn new(paths: &'f PathGenerator, reception: &'f Reception) -> Self {
+    pub fn new(paths: &'f PathGenerator, others: &'f [Arc<Overheard>], reception: &'f Reception) -> Self {
         let Reception { receiver, generators, .. } = reception;
         let channels = paths.channel_pairs().len();
         Self {
-            paths,
-            memory: paths.workspace(),
-            spectrum: vec![Complex64::ZERO; channels * receiver.fft_len()],
+            desk: Desk::new(paths, receiver.fft_len()),
+            others: others.iter().map(|other| other.listener(receiver.fft_len())).collect(),
             reception,
             scratch: receiver.scratch(),
             clocks: Vec::with_capacity(channels),
@@ -52,12 +68,22 @@ impl<'f> Kit<'f> {
         }
     }
 
+    /// Goes by the tracks that are flown.
+    pub fn take_off(&mut self, paths: &'f PathGenerator) {
+        self.desk.paths = paths;
+        self.others.iter_mut().for_each(Listener::take_off);
+    }
+
     /// Finishes a pulse whose record and spectrum are filled.
     ///
     /// # Errors
-    /// A track that ends early.
+    /// A track that ends early; what emitters are received by cannot be followed.
     pub fn receive(&mut self, pulse: &mut Pulse) -> Result<(), PulseError> {
-        let Self { paths, memory, spectrum, reception, scratch, clocks, generators } = self;
+        let Self { desk, others, reception, scratch, clocks, generators } = self;
+        let Desk { paths, memory, spectrum } = desk;
+        for other in others {
+            other.add(pulse, spectrum, &mut memory.costs)?;
+        }
         reception.ships.record(pulse);
         if let Some(running) = &reception.clocks {
             // Echoes were made for the window as it is; recorded is what the clocks say.

@@ -75,7 +75,9 @@ pub struct Predicted {
 
 /// About what the sea of a scene takes, bytes.
 pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u64 {
-    let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len() as u64);
+    // Each emitter that it returns has it once more.
+    let seas = 1 + scene.radar.emitters.iter().filter(|emitter| emitter.echo).count() as u64;
+    let facets = scene.sea.as_ref().map_or(0, |sea| sea.patch.len() as u64).saturating_mul(seas);
     let n = match fidelity {
         Fidelity::Reference => 0,
         Fidelity::Fast(_) => 1,

@@ -28,6 +28,7 @@ mod navigation;
 pub mod prepared;
 pub mod released;
 pub(crate) mod outputs;
+mod overheard;
 pub(crate) mod playback;
 #[doc(hidden)]
 pub mod plausible;

@@ -1,17 +1,16 @@
 //! Pulses one by one, in f64: exact scatterer paths, spread and transformed without a digit lost, for budgets
 //! that blocks cannot keep.
 
-use std::ops::Range;
-
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockPaths, Node};
 use crate::echo::synth::{Grids, Synth, SynthScratch};
 use crate::paths::PathGenerator;
 use crate::paths::list::ScattererPaths;
 use crate::pipeline::block::check;
-use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, Slots, full_list};
+use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, full_list};
 use crate::pipeline::fault::PulseError;
-use crate::pipeline::kit::Kit;
+use crate::pipeline::kit::Desk;
+use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 
 /// Makes echoes pulse by pulse. Immutable, shared by all threads.
@@ -57,30 +56,27 @@ impl EchoEngine for SingleEcho {
 }
 
 impl EchoWorker for SingleWorker<'_> {
-    fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError> {
+    fn fill(&mut self, index: u64, pulse: &mut Pulse, desk: &mut Desk<'_>) -> Result<(), PulseError> {
         let Self { synth, paths, block, grids, scratch, bands } = self;
-        for (index, pulse) in pulses.zip(slots) {
-            let Kit { paths: generator, memory, spectrum, .. } = &mut *kit;
-            generator.pulse(index, memory, paths, pulse)?;
-            let (starts_s, costs) = (pulse.window_starts_s(), &mut memory.costs);
-            let found = if let (Some(band_hz), Some(bands)) = (synth.settings().band_hz, bands.as_mut()) {
-                let found = synth.pulse_in_bands(paths, starts_s, band_hz, bands, spectrum)?;
-                costs.lap(Stage::Spread);
-                check(found)?;
-                found
-            } else {
-                synth.fill_in(&[Node { pulse: 0, paths }], starts_s.as_chunks::<1>().0, block)?;
-                check(block.found())?;
-                costs.lap(Stage::Fill);
-                synth.spread(block, grids);
-                costs.lap(Stage::Spread);
-                synth.spectrum(block, grids, 0, scratch, spectrum);
-                costs.lap(Stage::Transform);
-                block.found()
-            };
-            costs.accumulated(found.spread);
-            kit.receive(pulse)?;
-        }
+        let Desk { paths: generator, memory, spectrum } = desk;
+        generator.pulse(index, memory, paths, pulse)?;
+        let (starts_s, costs) = (pulse.window_starts_s(), &mut memory.costs);
+        let found = if let (Some(band_hz), Some(bands)) = (synth.settings().band_hz, bands.as_mut()) {
+            let found = synth.pulse_in_bands(paths, starts_s, band_hz, bands, spectrum)?;
+            costs.lap(Stage::Spread);
+            check(found)?;
+            found
+        } else {
+            synth.fill_in(&[Node { pulse: 0, paths }], starts_s.as_chunks::<1>().0, block)?;
+            check(block.found())?;
+            costs.lap(Stage::Fill);
+            synth.spread(block, grids);
+            costs.lap(Stage::Spread);
+            synth.spectrum(block, grids, 0, scratch, spectrum);
+            costs.lap(Stage::Transform);
+            block.found()
+        };
+        costs.accumulated(found.spread);
         Ok(())
     }
 }

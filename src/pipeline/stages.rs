@@ -20,6 +20,7 @@ use super::block::BlockEcho;
 use super::engine::{EchoEngine, EchoWorker, Needs, Slots, full_list};
 use super::kit::{Kit, Reception};
 use super::memory;
+use super::overheard::Overheard;
 use super::single::SingleEcho;
 use crate::echo::reference::ReferenceEcho;
 use crate::echo::synth::{Precision, Synth, SynthError};
@@ -50,6 +51,8 @@ pub struct PulseFactory {
     /// The same on the tracks that are flown, where it was prepared on others.
     flown: OnceLock<PathGenerator>,
     echo: Arc<dyn EchoEngine>,
+    /// What is received besides the radar's own echoes.
+    others: Vec<Arc<Overheard>>,
     reception: Reception,
     sample_rate_hz: f64,
     pub(crate) waveform: Arc<dyn Waveform>,
@@ -57,14 +60,15 @@ pub struct PulseFactory {
     plan: Option<Plan>,
 }
 
-/// The engine of a plan for a run of so many pulses, or the reference.
+/// The engine of a plan, or the reference: of a radar's own pulses, or, in segments of so many, of what it
+/// receives besides.
 ///
 /// # Errors
 /// Settings that the fast echo refuses.
 pub(crate) fn engine(
     plan: Option<&Plan>,
     radar: &Radar,
-    pulses: u64,
+    segment: Option<u64>,
     generator: &PathGenerator,
     waveform: &Arc<dyn Waveform>,
 ) -> Result<Arc<dyn EchoEngine>, SynthError> {
@@ -84,7 +88,12 @@ pub(crate) fn engine(
         Precision::Single => {
             let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
             let synth = synth.grouped(&generator.channel_groups()).in_windows(generator.pair_windows());
-            Arc::new(BlockEcho::new(synth, chosen, pulses, generator.hold_pulses())?)
+            let (pulses, hold) = (generator.receiving_pulses(), generator.hold_pulses());
+            let echo = BlockEcho::new(synth, chosen, pulses, hold)?;
+            Arc::new(match segment {
+                Some(pulses) => echo.in_segments(pulses),
+                None => echo,
+            })
         }
     })
 }
@@ -112,14 +121,14 @@ impl Worker<'_> {
     /// # Errors
     /// Those of [`Self::make`].
     pub(crate) fn make_all(&mut self, pulses: Range<u64>, slots: Slots<'_>) -> Result<(), PulseError> {
-        self.kit.paths = self.factory.generator();
-        self.kit.memory.costs.begin();
+        self.kit.take_off(self.factory.generator());
+        self.kit.desk.memory.costs.begin();
         self.echo.make(pulses, slots, &mut self.kit)
     }
 
     /// What its pulses have cost.
     pub fn costs(&self) -> &Costs {
-        &self.kit.memory.costs
+        &self.kit.desk.memory.costs
     }
 
     /// What the converter of each channel was fed with; empty without one.
@@ -129,7 +138,7 @@ impl Worker<'_> {
 
     /// Counts costs and levels from 0.
     pub(crate) fn count_anew(&mut self) {
-        self.kit.memory.costs = Costs::default();
+        self.kit.desk.memory.costs = Costs::default();
         self.kit.scratch.reset_levels();
     }
 }
@@ -149,6 +158,7 @@ impl PulseFactory {
             generator,
             flown: OnceLock::new(),
             echo,
+            others: Vec::new(),
             reception: Reception { receiver, ships: ShipTracks::of(scene), clocks: None, generators: None },
             sample_rate_hz: radar.sample_rate_hz,
             waveform,
@@ -161,6 +171,11 @@ impl PulseFactory {
     pub(crate) fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
         let layout = Layout { clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()), ..self.layout };
         Self { layout, reception: Reception { clocks, ..self.reception }, ..self }
+    }
+
+    /// The same with what is received of emitters.
+    pub(crate) fn with_others(self, others: Vec<Overheard>) -> Self {
+        Self { others: others.into_iter().map(Arc::new).collect(), ..self }
     }
 
     /// The same with calibration channels behind those of echoes.
@@ -192,6 +207,7 @@ impl PulseFactory {
     /// Makes the next pulses on other tracks, in the order of the platforms, where it was prepared on a
     /// nominal trajectory. That can be done once.
     pub(crate) fn fly(&self, tracks: Vec<PlatformTracks>) {
+        self.others.iter().for_each(|other| other.fly(&tracks));
         let _ = self.flown.set(self.generator.on_tracks(tracks));
     }
 
@@ -208,6 +224,11 @@ impl PulseFactory {
     /// What was planned; `None` for the reference.
     pub fn plan(&self) -> Option<&Plan> {
         self.plan.as_ref()
+    }
+
+    /// Emitters that are received besides: name, share of the pulses that receive it, and what was planned.
+    pub(crate) fn others(&self) -> impl Iterator<Item = (&str, f64, Option<&Plan>)> {
+        self.others.iter().map(|other| other.summary())
     }
 
     /// Grids of one worker, bytes.
@@ -333,7 +354,7 @@ impl PulseFactory {
 
     /// What makes pulses in one thread.
     pub fn worker(&self) -> Worker<'_> {
-        let kit = Kit::new(self.generator(), &self.reception);
+        let kit = Kit::new(self.generator(), &self.others, &self.reception);
         Worker { factory: self, echo: self.echo.worker(self.generator()), kit }
     }
 

@@ -41,13 +41,15 @@ pub enum Stage {
     Spread,
     /// From grids to spectra.
     Transform,
+    /// Echoes of emitters beside the radar's own.
+    Others,
     /// Noise, samples, converter.
     Receive,
 }
 
 impl Stage {
     /// All of them, in the order of the work.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Record,
         Self::Surface,
         Self::Shadow,
@@ -55,6 +57,7 @@ impl Stage {
         Self::Fill,
         Self::Spread,
         Self::Transform,
+        Self::Others,
         Self::Receive,
     ];
 
@@ -68,6 +71,7 @@ impl Stage {
             Self::Fill => "fill",
             Self::Spread => "spread",
             Self::Transform => "transform",
+            Self::Others => "others",
             Self::Receive => "receive",
         }
     }

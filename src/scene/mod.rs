@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod clock;
+pub mod emitter;
 pub mod hull;
 pub mod land;
 pub mod mesh;
@@ -15,6 +16,7 @@ pub mod water;
 use crate::frames::SceneFrame;
 use crate::time::TimeTag;
 
+pub use emitter::Emitter;
 pub use hull::Hull;
 pub use land::Land;
 pub use patch::Patch;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::frames::{Body, Enu, Point, Vector};
 use crate::pulse::{Layout, SampleFormat};
+use crate::scene::Emitter;
 use crate::time::PulseTimes;
 
 /// The radar: every emission and every receive window of a run.
@@ -41,6 +42,8 @@ pub struct Radar {
     pub receivers: Vec<Receiver>,
     /// What is recorded.
     pub channels: Vec<Channel>,
+    /// What else radiates.
+    pub emitters: Vec<Emitter>,
 }
 
 impl Radar {
@@ -70,6 +73,7 @@ impl Radar {
             transmitters: Vec::new(),
             receivers: Vec::new(),
             channels: Vec::new(),
+            emitters: Vec::new(),
         }
     }
 

@@ -369,8 +369,8 @@ fn on_the_sea(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
         line!(
             out,
             "[[slick]]\ncentre_m = [0.0, 0.0]\nhalf_axes_m = [{:?}, {:?}]",
-            0.3 * size_m[0],
-            0.2 * size_m[1]
+            (0.3 * size_m[0]).max(0.001),
+            (0.2 * size_m[1]).max(0.001)
         );
     }
     if draw.chance(0.12) {

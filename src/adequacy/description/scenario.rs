@@ -7,6 +7,7 @@ use crate::inputs::shown;
 use crate::motion::PlatformNav;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, TrackSource, VerticalDatum};
 use crate::scene::radar::{AimFrom, Gate, Sweep, TxPolarisation, Waveform};
+use crate::scene::{Emitter, Radar};
 use crate::sinks::Kind;
 use crate::sinks::zmq::Messages;
 use crate::transport::{Pace, Policy};
@@ -28,18 +29,7 @@ pub fn rows(run: &Run) -> Vec<Described> {
         ),
         None => format!("plain East, North, up; {earth}"),
     };
-    let waveform = match &radar.waveform {
-        Waveform::Lfm { bandwidth_hz, duration_s, sweep } => format!(
-            "linear FM {}, {} MHz in {} us, time-bandwidth product {:.1}",
-            if *sweep == Sweep::Up { "up" } else { "down" },
-            neat(bandwidth_hz / 1e6),
-            neat(duration_s * 1e6),
-            bandwidth_hz * duration_s
-        ),
-        Waveform::Samples { path, rate_hz } => {
-            format!("samples of {} at {} MHz", shown(path), neat(rate_hz / 1e6))
-        }
-    };
+    let waveform = waveform_text(&radar.waveform);
     let window_us = radar.window.samples as f64 / radar.sample_rate_hz * 1e6;
     let opens = |gate: &Gate| match gate {
         Gate::Fixed { start_s } => format!("opens {} us after the emission", neat(start_s * 1e6)),
@@ -71,7 +61,7 @@ pub fn rows(run: &Run) -> Vec<Described> {
             format!("real time, {} ms after the emission, {policy}", neat(run.stream.latency_s * 1e3))
         }
     };
-    vec![
+    let mut rows = vec![
         described("frame", frame),
         described(
             "time",
@@ -100,7 +90,45 @@ pub fn rows(run: &Run) -> Vec<Described> {
         described("targets", scene.targets.len().to_string()),
         described("release", pace),
         described("sinks", sinks(run).join("; ")),
-    ]
+    ];
+    let emitters = radar.emitters.iter().map(|emitter| described("emitter", emitter_text(emitter, radar)));
+    rows.extend(emitters);
+    rows
+}
+
+fn waveform_text(waveform: &Waveform) -> String {
+    match waveform {
+        Waveform::Lfm { bandwidth_hz, duration_s, sweep } => format!(
+            "linear FM {}, {} MHz in {} us, time-bandwidth product {:.1}",
+            if *sweep == Sweep::Up { "up" } else { "down" },
+            neat(bandwidth_hz / 1e6),
+            neat(duration_s * 1e6),
+            bandwidth_hz * duration_s
+        ),
+        Waveform::Samples { path, rate_hz } => {
+            format!("samples of {} at {} MHz", shown(path), neat(rate_hz / 1e6))
+        }
+    }
+}
+
+fn emitter_text(emitter: &Emitter, radar: &Radar) -> String {
+    let receivers = emitter.receivers.iter().filter_map(|place| radar.receivers.get(*place));
+    let receivers: Vec<&str> = receivers.map(|receiver| receiver.name.as_str()).collect();
+    let how = match (emitter.direct_path, emitter.echo) {
+        (true, true) => "direct path and echoes",
+        (true, false) => "direct path alone",
+        (false, true) => "echoes alone",
+        (false, false) => "nothing",
+    };
+    format!(
+        "{}: {} GHz, {}, mean PRF {} Hz, polarisation {}; {how}, received by {}",
+        emitter.transmitter.name,
+        neat(emitter.carrier_hz / 1e9),
+        waveform_text(&emitter.waveform),
+        neat(emitter.emissions.mean_prf_hz()),
+        emitter.polarisation.letter(),
+        receivers.join(", ")
+    )
 }
 
 /// Channels, those of calibration behind the others.

@@ -24,11 +24,28 @@ tables! {
         HEARS "hears", Words { least: 0, most: 256, entry: "the name of a transmitter" }, Means("all transmitters"), "Transmitters whose echoes it records, at least one: it has channels with these alone.";
         WINDOW "window", Section(&own_window::TABLE), Means("that of [radar.window]"), "Where its window starts, with as many samples as that of [radar.window].";
     }
+    emitter "[[emitter]]" "What else radiates: another radar, a beacon, a jammer, with a carrier, a waveform and a schedule of its own. What receivers take of it is added to their channels (docs/emitters.md). Exactly one of prf_hz and pri_us." {
+        NAME "name", Name, Required, "Its name, unique among antennas.";
+        PLATFORM "platform", Name, Required, "The platform that carries it.";
+        POWER_W "power_w", above("W", 0.0, 1e12), Required, "Peak power.";
+        LEVER_ARM_M "lever_arm_m", vector("m", 3, 1e4), Zeros, "Phase centre: forward, starboard, down from the platform's reference.";
+        ANTENNA "antenna", Section(&antenna::TABLE), Required, "Gain pattern.";
+        POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
+        CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
+        CARRIER_HZ "carrier_hz", number("Hz", 1e6, 1e12), Means("that of [radar]"), "Carrier frequency. A part of its band must lie within half the sample rate of that of [radar].";
+        PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Its pulses a second; the first leaves with pulse 0, the last no later than that of the radar.";
+        PRI_US "pri_us", Kind::Numbers { unit: "us", least: 1, most: 65_536, min: 1e-3, max: 1e9 }, Means("prf_hz is given"), "Its intervals in turn.";
+        WAVEFORM "waveform", Section(&waveform::TABLE), Required, "What it radiates; it may be wider than the sample rate.";
+        POLARISATION "polarisation", Choice(words::<Polarisation>), Word("H"), "Polarisation of all its pulses.";
+        HEARD_BY "heard_by", Words { least: 0, most: 256, entry: "the name of a receiver" }, Means("all receivers"), "Receivers that take it.";
+        DIRECT_PATH "direct_path", Kind::Flag, Flag(true), "Whether its direct path is received.";
+        ECHO "echo", Kind::Flag, Flag(true), "Whether sea, ships and targets return it; rain does not.";
+    }
     own_window "[receiver.window]" "Where the window of a receiver starts. Exactly one of start_us and follow." {
         START_US "start_us", number("us", 0.0, 1e7), Means("follow is given"), "Start after the emission, not rounded to the sample grid. May exceed the pulse interval.";
         FOLLOW "follow", Section(&follow::TABLE), Means("start_us is given"), "A window that follows the echo of an aim point.";
     }
-    antenna "antenna = { ... } of [[transmitter]] and [[receiver]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
+    antenna "antenna = { ... } of [[transmitter]], [[receiver]] and [[emitter]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
         KIND "kind", Choice(words::<PatternKind>), Required, "Kind of aperture; apertures are uniformly illuminated. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";
         GAIN_DBI "gain_dbi", number("dBi", -200.0, 200.0), default(0.0), "isotropic: gain in every direction.";
         WIDTH_M "width_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full width.";
@@ -46,7 +63,7 @@ tables! {
         NOISE_H "noise_h", Kind::Numbers { unit: "", least: 5, most: 5, min: 0.0, max: 1.0 }, Means("that of the preset, or none"), "h_-2, h_-1, h_0, h_1, h_2 of the one-sided spectrum of the fractional frequency, S_y(f) = sum of h_a f^a (1/Hz).";
         BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e9), Means("half the pulse rate"), "Highest frequency of the phase noise of h_1 and h_2.";
     }
-    pointing "pointing = { ... } of [[transmitter]] and [[receiver]]" "Where an antenna points." {
+    pointing "pointing = { ... } of [[transmitter]], [[receiver]] and [[emitter]]" "Where an antenna points." {
         KIND "kind", Choice(words::<Servo>), Required, "Bolted to the body; servo on a point; servo on a point beside a platform.";
         YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), default(0.0), "fixed: relative to the body, positive to starboard (clockwise from above).";
         PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), default(0.0), "fixed: relative to the body, positive up.";

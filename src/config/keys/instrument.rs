@@ -25,7 +25,7 @@ tables! {
         CALIBRATION "calibration", Sections(&calibration::TABLE), Means("none"), "Channels with signals known in closed form, behind all others.";
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
     }
-    waveform "[radar.waveform]" "What is radiated, at unit amplitude." {
+    waveform "[radar.waveform] and [emitter.waveform]" "What is radiated, at unit amplitude." {
         KIND "kind", Choice(words::<WaveformKind>), Required, "Linear frequency modulation, or samples from a file.";
         BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm: swept bandwidth.";
         PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm: pulse length.";

@@ -261,6 +261,7 @@ pub static TABLES: &[&Table] = &[
     &transmitter::TABLE,
     &receiver::TABLE,
     &own_window::TABLE,
+    &emitter::TABLE,
     &antenna::TABLE,
     &clock::TABLE,
     &pointing::TABLE,

@@ -9,6 +9,7 @@ tables! {
         PLATFORM "platform", Sections(&platform::TABLE), Required, "What moves; at least one.";
         TRANSMITTER "transmitter", Sections(&transmitter::TABLE), Required, "Transmitters; at least one.";
         RECEIVER "receiver", Sections(&receiver::TABLE), Required, "Receivers; at least one.";
+        EMITTER "emitter", Sections(&emitter::TABLE), Means("none"), "What receivers take besides: other radars, jammers.";
         SEA "sea", Section(&sea::TABLE), Means("no sea: targets alone"), "The sea, on the patch of [scene].";
         SWELL "swell", Sections(&swell::TABLE), Means("none"), "Swell trains, with [sea].";
         SLICK "slick", Sections(&slick::TABLE), Means("none"), "Films on the water, with [sea].";

@@ -7,6 +7,7 @@ mod ais;
 mod antenna;
 mod calibration;
 mod clock;
+mod emitter;
 mod errors;
 mod event;
 mod land;

@@ -3,6 +3,7 @@
 use super::antenna::{self, AimKeys, MountKeys, aim_keys, mount_keys};
 use super::calibration::{self, Limits};
 use super::clock::Given;
+use super::emitter;
 use super::place::SurfaceKeys;
 use super::{Ground, Names, plausible};
 use crate::config::choices::{TxKind, WaveformKind};
@@ -53,7 +54,7 @@ pub(super) fn radar(
     let section = root.section(&keys::root::RADAR)?;
     let carrier_hz = section.number(&k::CARRIER_HZ);
     let sample_rate_hz = section.number(&k::SAMPLE_RATE_HZ);
-    let emissions = emissions(&section);
+    let emissions = emissions(&section, [&k::PRF_HZ, &k::PRI_US]);
     let waveform = section.section(&k::WAVEFORM).and_then(|s| waveform(s, sample_rate_hz));
     let pulse_s = match &waveform {
         Some(Waveform::Lfm { duration_s, .. }) => Some(*duration_s),
@@ -61,6 +62,8 @@ pub(super) fn radar(
     };
     let window =
         section.section(&k::WINDOW).and_then(|s| window(s, sample_rate_hz, pulse_s, ground, platforms));
+    let known = emitter::Known { transmitters: &transmitter_names, receivers: &receiver_names, platforms };
+    let emitters = emitter::emitters(root, ground, &known, (carrier_hz, sample_rate_hz));
     let antennas = Antennas { transmitters: &transmitter_names, receivers: &receiver_names, hears: &hears };
     let channels = channels(&section, &antennas);
     let tx_polarisation = tx_polarisation(&section, channels.as_deref());
@@ -104,7 +107,8 @@ pub(super) fn radar(
     if let Some(carrier_hz) = carrier_hz {
         let of_transmitters = transmitters.iter().flatten().map(|tx| (&tx.name, &tx.antenna));
         let of_receivers = receivers.iter().flatten().map(|rx| (&rx.name, &rx.antenna));
-        plausible::apertures(root, carrier_hz, of_transmitters.chain(of_receivers));
+        let of_emitters = emitters.iter().flatten().map(|of| (&of.transmitter.name, &of.transmitter.antenna));
+        plausible::apertures(root, carrier_hz, of_transmitters.chain(of_receivers).chain(of_emitters));
     }
     Some(Radar {
         carrier_hz: carrier_hz?,
@@ -123,6 +127,7 @@ pub(super) fn radar(
         transmitters: transmitters.into_iter().collect::<Option<_>>()?,
         receivers: receivers.into_iter().collect::<Option<_>>()?,
         channels: channels?,
+        emitters: emitters?,
     })
 }
 
@@ -188,10 +193,10 @@ fn receiver(
     Some(Receiver { name: names.last()?, antenna: antenna?, gate: if own { Some(gate?) } else { None } })
 }
 
-fn emissions(section: &Section<'_>) -> Option<PulseTimes> {
-    use keys::radar::{PRF_HZ, PRI_US};
-    let written = section.exactly_one(&[&PRF_HZ, &PRI_US]);
-    let (prf_hz, pri_us) = (section.number(&PRF_HZ), section.numbers(&PRI_US));
+/// A train, by one of the keys.
+pub(super) fn emissions(section: &Section<'_>, keys: [&'static Key; 2]) -> Option<PulseTimes> {
+    let written = section.exactly_one(&keys);
+    let (prf_hz, pri_us) = (section.number(keys[0]), section.numbers(keys[1]));
     written?;
     // Both ranges lie within those of PulseTimes, so that neither can fail.
     match (prf_hz, pri_us) {
@@ -204,7 +209,8 @@ fn emissions(section: &Section<'_>) -> Option<PulseTimes> {
     }
 }
 
-fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Option<Waveform> {
+/// A waveform, which may be no wider than a sample rate if that is given.
+pub(super) fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Option<Waveform> {
     use keys::waveform::{BANDWIDTH_HZ, KIND, PATH, PULSE_S, RATE_HZ, SWEEP};
     let waveform =
         match section.choice(&KIND) {

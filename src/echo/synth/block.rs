@@ -320,9 +320,10 @@ impl<T: Scalar> Synth<T> {
             let of = (frame, windows_s.as_slice());
             references_s.push(self.fill_emitted(of, emissions.clone(), time, emitted));
         }
-        let mut places = [0.0; MAX_NODES];
-        for (place, node) in places.iter_mut().zip(nodes) {
+        let (mut places, mut carrier) = ([0.0; MAX_NODES], [0.0; MAX_NODES]);
+        for ((place, turns), node) in places.iter_mut().zip(&mut carrier).zip(nodes) {
             *place = slow.at(start + node.pulse) - middle;
+            *turns = frame.turns_at(slow.at(start + node.pulse));
         }
         let through = Through::new(&places[..nodes.len()]);
         block.fill = Fill::default();
@@ -333,7 +334,7 @@ impl<T: Scalar> Synth<T> {
         for pair in 0..self.pairs {
             let mean_hz = frame.mean_hz[pair];
             let reference_s = of_window(&references_s, &self.windows, pair).copied().unwrap_or(0.0);
-            self.fill_pair(nodes, &through, (reference_s, reach, uneven), (pair, mean_hz), block);
+            self.fill_pair(nodes, (&through, &carrier), (reference_s, reach, uneven), (pair, mean_hz), block);
         }
         block.references_s = references_s;
     }
@@ -398,7 +399,7 @@ impl<T: Scalar> Synth<T> {
     fn fill_pair(
         &self,
         nodes: &[Node<'_>],
-        through: &Through,
+        (through, carrier): (&Through, &[f64; MAX_NODES]),
         (reference_s, reach, uneven): (f64, f64, bool),
         (pair, mean_hz): (usize, f64),
         block: &mut BlockPaths<T>,
@@ -431,7 +432,7 @@ impl<T: Scalar> Synth<T> {
                 let rate = node.paths.delay_rate[pair][n];
                 residual[i] = self.carrier_hz * rate - mean_hz;
                 let (extra_turns, extra_s) = correction.of(mean_hz, residual[i]);
-                turns[i] = extra_turns - self.carrier_hz * delay_s;
+                turns[i] = extra_turns - self.carrier_hz * delay_s + carrier[i];
                 let after_s = node.paths.emission_offset_s[n] + (delay_s - reference_s) + extra_s;
                 cells[i] = (after_s + self.lead_s) * self.cells_per_s + 0.5;
                 let seen = has_delay(delay_s, rate) && cells[i].is_finite();

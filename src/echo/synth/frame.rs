@@ -38,6 +38,9 @@ pub struct Frame {
     pub(super) mean_hz: Vec<f64>,
     /// When the emissions are.
     pub slow: SlowTime,
+    /// By how much a carrier apart from the receiver's turns the first emission, and from one mean interval to
+    /// the next, turns.
+    pub carrier_turns: [f64; 2],
     /// Group of channels that each emission fills; empty where every one fills all.
     pub groups: Vec<u8>,
     /// Who receives them, emission by emission; empty where every pulse receives its own alone.
@@ -55,9 +58,10 @@ impl Clone for Frame {
 
     /// Without allocating where there is room: exact pulses copy a frame for each of them.
     fn clone_from(&mut self, from: &Self) {
-        let Self { windows_s, replicas, mean_hz, slow, groups, receives, filled } = from;
+        let Self { windows_s, replicas, mean_hz, slow, carrier_turns, groups, receives, filled } = from;
         self.windows_s.clone_from(windows_s);
         self.slow.clone_from(slow);
+        self.carrier_turns = *carrier_turns;
         self.groups.clone_from(groups);
         self.receives.clone_from(receives);
         self.filled.clone_from(filled);
@@ -85,6 +89,11 @@ impl Frame {
         self.windows_s.first().map_or(0, Vec::len)
     }
 
+    /// Turns of the carrier so many mean intervals after the first emission.
+    pub(super) fn turns_at(&self, slow: f64) -> f64 {
+        self.carrier_turns[0] + self.carrier_turns[1] * slow
+    }
+
     /// Other windows.
     pub(super) fn set_windows<W: AsRef<[f64]>>(&mut self, windows_s: &[W]) {
         self.windows_s.resize_with(windows_s.len(), Vec::new);
@@ -94,9 +103,10 @@ impl Frame {
         }
     }
 
-    /// Every pulse receives its own emission alone, in all channels, at equal intervals.
+    /// Every pulse receives its own emission alone, in all channels, at equal intervals, by its own carrier.
     pub(super) fn level(&mut self) {
         self.slow.level();
+        self.carrier_turns = [0.0; 2];
         self.groups.clear();
         self.receives.clear();
         self.filled.clear();

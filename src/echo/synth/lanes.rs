@@ -237,6 +237,7 @@ impl Synth<f32> {
             interval_s: tile.interval_s,
             length,
             middle: middle - first_node,
+            carrier_turns: [frame.turns_at(middle), frame.carrier_turns[1]],
             count,
             polynomials,
         };
@@ -369,6 +370,8 @@ struct Polynomials<'a> {
     length: f64,
     /// Intervals from the first node to where `m` counts from.
     middle: f64,
+    /// Of a carrier apart from the receiver's: where `m` counts from, and from one interval to the next.
+    carrier_turns: [f64; 2],
     count: usize,
     polynomials: &'a mut DelayPolynomials<f32>,
 }
@@ -389,7 +392,7 @@ impl Task for Polynomials<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { ends, carrier_hz, mean_hz, middle_s, shifted, moved, .. } = self;
-        let Self { interval_s, length, middle, count, polynomials, .. } = self;
+        let Self { interval_s, length, middle, carrier_turns, count, polynomials, .. } = self;
         let [d0, d1] = ends.delay_s;
         let [r0, r1] = ends.delay_rate;
         let span_s = length * interval_s;
@@ -427,12 +430,13 @@ impl Task for Polynomials<'_> {
             let b2 = c2 + 3.0 * middle * c3;
             let more_turns = (extra[1] - extra[0]) * inverse;
             let more_s = (delays[1] - delays[0]) * inverse;
-            let constant = extra[0] + middle * more_turns - carrier_hz * b0;
+            let constant = extra[0] + middle * more_turns - carrier_hz * b0 + carrier_turns[0];
+            let linear = more_turns - carrier_hz * b1 + carrier_turns[1];
             phase[0][i] = turns(constant - carrier_hz * d0[i]);
-            phase[1][i] = turns((more_turns - carrier_hz * b1) * per_tick);
+            phase[1][i] = turns(linear * per_tick);
             phase[2][i] = turns(-carrier_hz * b2);
             if uneven {
-                powers[0][i] = (more_turns - carrier_hz * b1) as f32;
+                powers[0][i] = linear as f32;
                 powers[1][i] = (-carrier_hz * b2) as f32;
             }
             cubic[i] = (-carrier_hz * c3) as f32;

@@ -25,6 +25,8 @@ mod exact;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use num_complex::Complex64;
+
 use crate::cpu::Variant;
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockPaths, Fill, Frame, MAX_PULSES, Node, Receives};
@@ -36,9 +38,9 @@ use crate::paths::block::{
 };
 use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Received, Workspace};
-use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, Slots, path_list, point_paths};
+use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, path_list, point_paths};
 use crate::pipeline::fault::PulseError;
-use crate::pipeline::kit::Kit;
+use crate::pipeline::kit::Desk;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 
@@ -61,6 +63,9 @@ pub(crate) struct BlockEcho {
     borders: Arc<SharedBorders>,
     /// Pulses of a block, and emissions that it needs beyond as many.
     length: u64,
+    /// Emissions whose nodes are their own, at most: where pulses are not those emitted any number may fall
+    /// into a block.
+    part: u64,
     overlap_pulses: u64,
     hold_pulses: Option<u64>,
     gain_pulses: usize,
@@ -81,7 +86,11 @@ struct BlockWork {
     /// more is made once more.
     made: Range<u64>,
     next: u64,
+    /// Whether it receives nothing.
+    silent: bool,
     received: Received,
+    /// Emissions that have nodes in common.
+    parts: Vec<Range<u64>>,
     tiers: Tiers,
     nodes: [ScattererPaths; NODES],
     /// `[window][pulse]`.
@@ -129,7 +138,7 @@ impl EchoEngine for BlockEcho {
         let block = usize::try_from(block_pulses(chosen.node_pulses)).ok().filter(|&n| n <= MAX_PULSES);
         let (synth, borders) = (Arc::clone(&self.synth), Arc::default());
         let length = chosen.block_pulses(self.hold_pulses);
-        block.map(|_| Arc::new(Self { synth, borders, length, ..*self }) as Arc<dyn EchoEngine>)
+        block.map(|_| Arc::new(Self { synth, borders, length, part: length, ..*self }) as Arc<dyn EchoEngine>)
     }
 
     fn worker<'f>(&'f self, paths: &PathGenerator) -> Box<dyn EchoWorker + 'f> {
@@ -138,16 +147,17 @@ impl EchoEngine for BlockEcho {
 }
 
 impl EchoWorker for BlockWorker<'_> {
-    fn make(&mut self, pulses: Range<u64>, slots: Slots<'_>, kit: &mut Kit<'_>) -> Result<(), PulseError> {
-        for (index, pulse) in pulses.zip(slots) {
-            self.echo.make(index, pulse, kit, &mut self.work)?;
-            kit.receive(pulse)?;
-        }
-        Ok(())
+    fn fill(&mut self, index: u64, pulse: &mut Pulse, desk: &mut Desk<'_>) -> Result<(), PulseError> {
+        self.echo.fill(index, pulse, desk, &mut self.work)
     }
 }
 
 impl BlockEcho {
+    /// The same in segments of so many pulses, whatever falls into these.
+    pub fn in_segments(self, pulses: u64) -> Self {
+        Self { length: pulses.clamp(1, MAX_PULSES as u64), ..self }
+    }
+
     /// For a run of so many pulses.
     ///
     /// # Errors
@@ -167,6 +177,7 @@ impl BlockEcho {
             synth: Arc::new(synth),
             borders: Arc::default(),
             length: chosen.block_pulses(hold_pulses),
+            part: chosen.block_pulses(hold_pulses),
             overlap_pulses: chosen.overlap_pulses,
             hold_pulses,
             gain_pulses,
@@ -181,19 +192,22 @@ impl BlockEcho {
 
     fn work(&self, generator: &PathGenerator) -> BlockWork {
         let variant = self.synth.settings().variant.unwrap_or_else(Variant::fastest);
-        let (length, pairs) = (self.length as usize, generator.pairs().len());
-        let breakers = generator.breakers_room(length);
+        let (length, part) = (self.length as usize, self.part as usize);
+        let pairs = generator.pairs().len();
+        let breakers = generator.breakers_room(part);
         let at_once = breakers.max(generator.rain_room());
         BlockWork {
             made: 0..0,
             next: 0,
+            silent: false,
             received: Received::default(),
+            parts: Vec::new(),
             tiers: Tiers::default(),
             nodes: std::array::from_fn(|_| path_list(generator, point_paths(generator).max(at_once))),
             windows_s: (0..generator.windows()).map(|_| Vec::with_capacity(length)).collect(),
             frame: Frame::default(),
             own_groups: Vec::new(),
-            part: self.synth.block_with_room(at_once, breakers * length),
+            part: self.synth.block_with_room(at_once, breakers * part),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
             tiles: generator.tile_work(variant, Some(self.borders.clone())),
@@ -201,7 +215,7 @@ impl BlockEcho {
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
             variations: Vec::with_capacity(generator.target_count() * pairs),
-            factors: Vec::with_capacity(breakers * pairs * length),
+            factors: Vec::with_capacity(breakers * pairs * part),
             panels: generator.panel_work(variant, self.pulses_of_panels()),
             bands: self.band_hz().map(|_| self.synth.bands()),
             spread: 0,
@@ -212,14 +226,14 @@ impl BlockEcho {
     ///
     /// # Errors
     /// A track that ends early, or paths that cannot be followed through the block.
-    fn make(
+    fn fill(
         &self,
         index: u64,
         pulse: &mut Pulse,
-        kit: &mut Kit<'_>,
+        desk: &mut Desk<'_>,
         work: &mut BlockWork,
     ) -> Result<(), PulseError> {
-        let Kit { paths: generator, memory, spectrum, .. } = kit;
+        let Desk { paths: generator, memory, spectrum } = desk;
         if let (Some(band_hz), Some(bands)) = (self.band_hz(), &mut work.bands) {
             let paths = &mut work.nodes[0];
             generator.pulse(index, memory, paths, pulse)?;
@@ -236,6 +250,10 @@ impl BlockEcho {
             work.made = self.prepare(generator, index, pulse, memory, work)?;
         }
         work.next = index + 1;
+        if work.silent {
+            spectrum.fill(Complex64::ZERO);
+            return Ok(());
+        }
         let BlockWork { made, frame, grids, scratch, .. } = &mut *work;
         self.synth.spectrum_in(frame, grids, (index - made.start) as usize, scratch, spectrum);
         memory.costs.lap(Stage::Transform);
@@ -245,7 +263,7 @@ impl BlockEcho {
 
     /// Width of the bands of Doppler where every pulse is made by itself, in such bands.
     fn band_hz(&self) -> Option<f64> {
-        self.synth.settings().band_hz.filter(|_| self.length == 1)
+        self.synth.settings().band_hz.filter(|_| self.part == 1)
     }
 
     /// Makes the block of a pulse; says which pulses it has.
@@ -258,28 +276,27 @@ impl BlockEcho {
         work: &mut BlockWork,
     ) -> Result<Range<u64>, PulseError> {
         let segment = self.segment_of(index);
-        // What is aimed by a report jumps with it: such a block ends there.
-        let Range { start: first, end } =
-            generator.unbroken(segment.start..segment.end.min(self.pulses), index);
+        let mut block = segment.start..segment.end.min(self.pulses);
+        if !generator.is_apart() {
+            // What is aimed by a report jumps with it: such a block ends there.
+            block = generator.unbroken(block, index);
+        }
+        let Range { start: first, end } = block;
         work.windows_s.iter_mut().for_each(Vec::clear);
-        work.spread = 0;
-        if self.length == 1 || !self.receives(generator, first..end, memory, work)? {
+        (work.spread, work.silent) = (0, false);
+        if self.part == 1 || !self.receives(generator, first..end, memory, work)? {
             return self.prepare_single(generator, index, pulse, memory, work);
         }
         generator.pulse_groups(first, (end - first) as usize, &mut work.own_groups);
         work.frame.fill_own(&work.own_groups);
-        // The part with the emission in the middle decides about Doppler.
-        let emissions = work.received.emissions();
-        let middle =
-            generator.unbroken(emissions.clone(), emissions.start + (emissions.end - emissions.start) / 2);
-        let mut exact = self.emissions(generator, (first, true), middle.clone(), memory, work)?;
-        let mut at = emissions.start;
-        while at < emissions.end {
-            let part = generator.unbroken(emissions.clone(), at);
-            at = part.end;
-            if part != middle {
-                exact += self.emissions(generator, (first, false), part, memory, work)?;
-            }
+        let lead = self.part(generator, work);
+        work.silent = work.parts.is_empty();
+        if work.silent {
+            return Ok(first..end);
+        }
+        let mut exact = self.emissions(generator, (first, true), work.parts[lead].clone(), memory, work)?;
+        for n in (0..work.parts.len()).filter(|n| *n != lead) {
+            exact += self.emissions(generator, (first, false), work.parts[n].clone(), memory, work)?;
         }
         let pulses = (end - first) as usize;
         for pulse in if generator.rains() { 0..pulses } else { 0..0 } {
@@ -288,6 +305,28 @@ impl BlockEcho {
         }
         work.spread += exact / pulses;
         Ok(first..end)
+    }
+
+    /// Parts the emissions that a block receives, each with nodes of its own: where a report changes or the
+    /// patch moves on, and, of others than its pulses', every so many. Says which decides about Doppler: that
+    /// with the emission in the middle.
+    fn part(&self, generator: &PathGenerator, work: &mut BlockWork) -> usize {
+        let BlockWork { received, parts, .. } = work;
+        let emissions = received.emissions();
+        parts.clear();
+        let mut at = emissions.start;
+        while at < emissions.end {
+            let mut part = generator.unbroken(emissions.clone(), at);
+            if generator.is_apart() {
+                part.end = part.end.min((at / self.part + 1) * self.part);
+                part.start = at;
+            }
+            at = part.end;
+            // Of others few may be received.
+            parts.extend(if generator.is_apart() { received.within(&part) } else { Some(part) });
+        }
+        let middle = emissions.start + (emissions.end - emissions.start) / 2;
+        parts.iter().position(|part| part.contains(&middle)).unwrap_or(parts.len() / 2)
     }
 
     /// Windows of some pulses, and what they receive; `false` where that is more than blocks can have.
@@ -308,7 +347,7 @@ impl BlockEcho {
         // One more where what is in the air changes; with others nodes would be farther apart than planned.
         let most = pulses.end - pulses.start + self.overlap_pulses + 1;
         let emissions = received.emissions();
-        Ok(in_blocks && emissions.end - emissions.start <= most)
+        Ok(in_blocks && (generator.is_apart() || emissions.end - emissions.start <= most))
     }
 
     /// Makes a pulse by itself: exact scatterer paths, one node.
@@ -357,7 +396,8 @@ impl BlockEcho {
             generator.open_block(tiers, patch, memory, tiles, samples)?;
         }
         if leads {
-            let rain = first + (windows_s.first().map_or(0, Vec::len) / 2) as u64;
+            let of_pulses = windows_s.first().map_or(0, Vec::len);
+            let rain = if generator.is_apart() { from } else { first + (of_pulses / 2) as u64 };
             self.mean_doppler(generator, (from, count, rain), memory, samples, nodes, mean_hz)?;
         }
         let BlockWork { received, tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } =
@@ -368,6 +408,7 @@ impl BlockEcho {
             self.synth.clear_for(frame, grids);
         }
         generator.slow_time(from, count, &mut frame.slow);
+        frame.carrier_turns = generator.carrier_turns(from);
         generator.pulse_groups(from, count, &mut frame.groups);
         frame.receives.clear();
         if !received.is_alone() {
@@ -465,7 +506,7 @@ impl BlockEcho {
 
     /// Pulses whose panels of ships are found together, at most.
     fn pulses_of_panels(&self) -> usize {
-        ((NODES - 1) * self.panel_pulses + 1).min(POINT_PULSES).min(self.length as usize)
+        ((NODES - 1) * self.panel_pulses + 1).min(POINT_PULSES).min(self.part as usize)
     }
 
     /// Targets and direct paths of some emissions, counted from the first.

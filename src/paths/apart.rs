@@ -1,0 +1,197 @@
+//! Pulses that are no emissions: what receivers take of an emitter with a schedule of its own.
+//!
+//! A generator mostly has one train: pulse `n` is received after emission `n`. Here there are two: emissions
+//! `k` at `t_k`, and pulses `n` at `t_n` with windows of their own, found by the radar's first pair as ever.
+//! A window receives whatever emissions reach it. A carrier `df` above that of the receiver turns emission
+//! `k` by `df t_k` (both oscillators are in phase at pulse 0); what it turns within an emission is part of
+//! the waveform ([`Placed`](crate::radar::waveform::Placed)).
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use num_complex::Complex64;
+
+use super::{InAir, PathGenerator, Workspace, pair_plans};
+use crate::motion::PlatformTracks;
+use crate::paths::list::ScattererPaths;
+use crate::paths::sea::Drawn;
+use crate::radar::fault::RadarError;
+use crate::radar::window::Window;
+use crate::scene::{Emitter, Scene};
+use crate::time::{PulseTimes, TimeTag};
+
+/// Pulses, apart from emissions.
+#[derive(Clone, Debug)]
+pub(super) struct Apart {
+    times: PulseTimes,
+    pulses: u64,
+    /// Carrier of the emitter above that of the receivers, Hz.
+    offset_hz: f64,
+}
+
+impl Apart {
+    fn time(&self, pulse: u64) -> TimeTag {
+        self.times.emission(TimeTag::default(), pulse)
+    }
+}
+
+/// The scene of an emitter as the radar of another receives it: its emissions are the pulses.
+pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter) -> Scene {
+    let lasts_s = scene.radar.emissions.interval_s(0, scene.pulses.saturating_sub(1));
+    // That at the very last pulse among them.
+    let pulses = if scene.pulses > 0 { emitter.emissions.count_within(lasts_s.next_up()) } else { 0 };
+    let mut own = Scene { radar: emitter.received_by(&scene.radar), pulses, ..scene.clone() };
+    if !emitter.echo {
+        own.sea = None;
+        own.ships.clear();
+        own.targets.clear();
+    }
+    own
+}
+
+impl PathGenerator {
+    /// What the receivers of a scene's radar take of an emitter, whose scene is `own` ([`scene_of`]).
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub(crate) fn of_emitter(
+        (scene, emitter): (&Scene, &Emitter),
+        own: &Scene,
+        pulse_length_s: f64,
+        tracks: Vec<PlatformTracks>,
+        drawn: Drawn<'_>,
+    ) -> Result<Self, RadarError> {
+        let mut built = Self::on(own, pulse_length_s, tracks, drawn)?;
+        built.leads = scene.radar.window_leads();
+        built.plans = pair_plans(&built.radar, &built.pairs, built.leads.len(), &built.channel_pairs);
+        built.in_air = InAir::of_others();
+        let (times, offset_hz) = (scene.radar.emissions.clone(), emitter.offset_hz(&scene.radar));
+        built.apart = Some(Apart { times, pulses: scene.pulses, offset_hz });
+        Ok(built)
+    }
+
+    /// The same with as many samples between windows and images of pulses.
+    pub(crate) fn with_guard(self, guard_samples: usize) -> Self {
+        Self { guard_samples, ..self }
+    }
+
+    /// Whether pulses are not those emitted.
+    pub(crate) fn is_apart(&self) -> bool {
+        self.apart.is_some()
+    }
+
+    /// How many pulses receive.
+    pub(crate) fn receiving_pulses(&self) -> u64 {
+        self.apart.as_ref().map_or(self.pulses, |apart| apart.pulses)
+    }
+
+    /// When a pulse is, from whose emission its windows count.
+    pub(super) fn pulse_time(&self, index: u64) -> TimeTag {
+        let times = self.apart.as_ref().map_or(&self.radar.emissions, |apart| &apart.times);
+        times.emission(self.start, index)
+    }
+
+    /// From a pulse to an emission, s.
+    pub fn offset_s(&self, index: u64, emitted: u64) -> f64 {
+        match &self.apart {
+            None => self.radar.emissions.interval_s(index, emitted),
+            Some(apart) => {
+                self.radar.emissions.emission(TimeTag::default(), emitted).since(apart.time(index))
+            }
+        }
+    }
+
+    /// The emission at a pulse, or the first after it.
+    pub(super) fn emission_at(&self, index: u64) -> u64 {
+        match &self.apart {
+            None => index,
+            Some(_) => self.first_emission(index, 0.0).min(self.pulses.saturating_sub(1)),
+        }
+    }
+
+    /// By how much the carrier turns so many emissions from the first on: at that, and from one mean interval
+    /// to the next, turns.
+    pub(crate) fn carrier_turns(&self, first: u64) -> [f64; 2] {
+        let Some(apart) = &self.apart else { return [0.0; 2] };
+        let turns = |seconds: f64| apart.offset_hz * seconds;
+        let emissions = &self.radar.emissions;
+        let own = turns(emissions.interval_s(0, first));
+        let each = turns(emissions.mean_pri_s());
+        // Of equal intervals whole turns vanish.
+        [own.fract(), if emissions.is_uniform() { each.fract() } else { each }]
+    }
+
+    /// Fills `paths` with all that windows receive of the emitter, which start so long after their pulse, s.
+    ///
+    /// # Errors
+    /// Those of [`Self::pulse`].
+    pub(super) fn hear(
+        &self,
+        index: u64,
+        starts_s: &[f64],
+        workspace: &mut Workspace,
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
+        let mut windows = std::mem::take(&mut workspace.windows);
+        windows.clear();
+        windows.extend(starts_s.iter().map(|open_s| Window::new(&self.radar, *open_s, self.pulse_length_s)));
+        let heard = self.hear_in(index, &windows, workspace, paths);
+        workspace.windows = windows;
+        heard
+    }
+
+    fn hear_in(
+        &self,
+        index: u64,
+        windows: &[Window],
+        workspace: &mut Workspace,
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
+        let emissions = self.heard_at(index, windows, workspace)?;
+        for emitted in emissions {
+            let before = paths.len();
+            self.append_others(index, emitted..emitted + 1, windows, workspace, paths)?;
+            let [turns, _] = self.carrier_turns(emitted);
+            if turns != 0.0 {
+                paths.turn(before, Complex64::cis(TAU * turns));
+            }
+        }
+        Ok(())
+    }
+
+    /// Emissions that windows of a pulse may receive.
+    fn heard_at(
+        &self,
+        index: u64,
+        windows: &[Window],
+        workspace: &mut Workspace,
+    ) -> Result<Range<u64>, RadarError> {
+        if self.pulses == 0 {
+            return Ok(0..0);
+        }
+        let hull = Window::hull(windows.iter().copied());
+        let about = self.emission_at(index);
+        self.evaluate(about, &mut workspace.own)?;
+        let span = self.delay_span_s(about, &workspace.own)?;
+        let closing_mps = self.closing_mps(&workspace.own.centres);
+        Ok(span.map_or(0..0, |span| self.emissions_within(index, span, closing_mps, &hull)))
+    }
+
+    /// Share of the pulses of the run whose windows receive anything, by a few hundred of them; windows as
+    /// those of `radar`.
+    ///
+    /// # Errors
+    /// Tracks that do not cover the run.
+    pub(crate) fn share_of_pulses_heard(&self, radar: &Self, at: &[u64]) -> Result<f64, RadarError> {
+        let (mut work, mut windows, mut heard) = (self.workspace(), Vec::new(), 0usize);
+        for &index in at {
+            windows.clear();
+            for window in 0..radar.windows() {
+                let start_s = radar.window_start_of(window, index)?;
+                windows.push(Window::new(&self.radar, start_s, self.pulse_length_s));
+            }
+            heard += usize::from(!self.heard_at(index, &windows, &mut work)?.is_empty());
+        }
+        Ok(heard as f64 / at.len().max(1) as f64)
+    }
+}

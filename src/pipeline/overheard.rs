@@ -1,0 +1,210 @@
+//! What receivers take of emitters beside the transmitters of their radar: another radar, a jammer.
+//!
+//! Each emitter has paths, a plan and an engine of its own, by its own schedule, carrier and waveform. What it
+//! returns is added, spectrum by spectrum, to the channels of the receivers that take it:
+//!
+//! ```text
+//! S[k] = S_radar[k] + sum over emitters of S_emitter[k]
+//! ```
+//!
+//! Spectra have the same bins: every transform has room for the longest pulse and the widest guard of all.
+//! Echoes of different emitters add as powers on average, and so do their errors. But an emitter may be
+//! received by few pulses, and a pulse is judged by the mean of all: its error is planned finer by the share
+//! of pulses that receive it.
+
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
+
+use num_complex::Complex64;
+
+use super::engine::{EchoEngine, EchoWorker};
+use super::fault::{BuildErrors, PulseError};
+use super::kit::Desk;
+use super::stages;
+use crate::echo::{Asked, Fidelity};
+use crate::fidelity::budget::{EXACT_DB, Plan};
+use crate::fidelity::choose::Chooser;
+use crate::fidelity::probe::spread_over;
+use crate::motion::PlatformTracks;
+use crate::paths::{Drawn, PathGenerator, scene_of};
+use crate::pulse::Pulse;
+use crate::pulse::costs::{Costs, Stage};
+use crate::radar::clock::RunningClocks;
+use crate::radar::waveform::{self, Placed, Waveform};
+use crate::scene::{Emitter, Radar, Scene};
+
+/// Pulses of which it is found whether they receive an emitter.
+const PULSES: u64 = 512;
+/// How much finer than the rest an emitter is planned, dB: there is no dry run of it.
+const FINER_DB: f64 = 6.0;
+
+/// An emitter whose paths are known, before anything is planned.
+pub(crate) struct Emitting {
+    name: String,
+    scene: Scene,
+    generator: PathGenerator,
+    waveform: Arc<dyn Waveform>,
+    offset_hz: f64,
+    channels: Vec<Vec<usize>>,
+}
+
+/// The emitters of a scene.
+///
+/// # Errors
+/// Faults of their antennas, waveforms and tracks.
+pub(crate) fn emitting(
+    scene: &Scene,
+    tracks: &[PlatformTracks],
+    drawn: Drawn<'_>,
+) -> Result<Vec<Emitting>, BuildErrors> {
+    let radar = &scene.radar;
+    let of = |emitter: &Emitter| {
+        let own = scene_of(scene, emitter);
+        let waveform = waveform::from_description(&emitter.waveform)?;
+        let tracks = tracks.to_vec();
+        let generator =
+            PathGenerator::of_emitter((scene, emitter), &own, waveform.duration_s(), tracks, drawn)?;
+        let channels = channels_of(radar, &own.radar);
+        let (name, offset_hz) = (emitter.transmitter.name.clone(), emitter.offset_hz(radar));
+        Ok(Emitting { name, scene: own, generator, waveform, offset_hz, channels })
+    };
+    radar.emitters.iter().map(of).collect()
+}
+
+/// For every channel of an emitter those of the radar that it is added to.
+fn channels_of(radar: &Radar, own: &Radar) -> Vec<Vec<usize>> {
+    let of = |port: &crate::scene::radar::Channel| {
+        let same = |(_, channel): &(usize, &crate::scene::radar::Channel)| {
+            (channel.receiver, channel.rx) == (port.receiver, port.rx)
+        };
+        radar.channels.iter().enumerate().filter(same).map(|(place, _)| place).collect()
+    };
+    own.channels.iter().map(of).collect()
+}
+
+/// Gives the radar and its emitters transforms of the same length.
+pub(crate) fn level(
+    others: &mut [Emitting],
+    generator: PathGenerator,
+    waveform: Arc<dyn Waveform>,
+) -> (PathGenerator, Arc<dyn Waveform>) {
+    if others.is_empty() {
+        return (generator, waveform);
+    }
+    let longest_s = others.iter().map(|other| other.waveform.duration_s()).fold(waveform.duration_s(), f64::max);
+    let guard = others.iter().map(|other| other.generator.guard_samples()).fold(generator.guard_samples(), usize::max);
+    for other in others {
+        other.generator = other.generator.clone().with_guard(guard);
+        other.waveform = Arc::new(Placed::new(Arc::clone(&other.waveform), other.offset_hz, longest_s));
+    }
+    (generator.with_guard(guard), Arc::new(Placed::new(waveform, 0.0, longest_s)))
+}
+
+/// What receivers take of an emitter. Immutable, shared by all threads.
+pub(crate) struct Overheard {
+    name: String,
+    generator: PathGenerator,
+    flown: OnceLock<PathGenerator>,
+    engine: Arc<dyn EchoEngine>,
+    channels: Vec<Vec<usize>>,
+    plan: Option<Plan>,
+    share_of_pulses: f64,
+}
+
+impl Emitting {
+    /// Plans what is made in segments of so many pulses, for a radar with these paths.
+    ///
+    /// # Errors
+    /// What the fast echo cannot make.
+    pub fn planned(
+        self,
+        radar: &PathGenerator,
+        fidelity: &Fidelity,
+        segment: u64,
+        clocks: Option<Arc<RunningClocks>>,
+    ) -> Result<Overheard, BuildErrors> {
+        let Self { name, scene, generator, waveform, channels, offset_hz } = self;
+        let pulses = generator.receiving_pulses();
+        let at: Vec<u64> = spread_over(pulses, PULSES.min(pulses), 1).collect();
+        let share_of_pulses = generator.share_of_pulses_heard(radar, &at)?;
+        let plan = match fidelity {
+            Fidelity::Reference => None,
+            Fidelity::Fast(asked) => {
+                let seldom_db = 10.0 * share_of_pulses.max(1.0 / PULSES as f64).log10();
+                let one_by_one = asked.node_pulses.filter(|pulses| *pulses <= 1);
+                let error_db = (asked.error_db - FINER_DB + seldom_db).max(EXACT_DB.min(asked.error_db));
+                let asked = Asked { node_pulses: one_by_one, variant: asked.variant, ..Asked::error_db(error_db) };
+                Some(Chooser::new(&scene, &generator, &waveform, &asked)?.choose(&asked)?)
+            }
+        };
+        // Delays turn the receiver's carrier: what the emitter's has more is in waveform and paths.
+        let carrier_hz = scene.radar.carrier_hz - offset_hz;
+        let received = Radar { carrier_hz, ..scene.radar };
+        let engine = stages::engine(plan.as_ref(), &received, Some(segment), &generator, &waveform)?;
+        let generator = generator.with_clocks(clocks);
+        Ok(Overheard { name, generator, flown: OnceLock::new(), engine, channels, plan, share_of_pulses })
+    }
+}
+
+impl Overheard {
+    /// Its name, the share of the pulses that receive it, and what it is made by; `None` for the reference.
+    pub fn summary(&self) -> (&str, f64, Option<&Plan>) {
+        (&self.name, self.share_of_pulses, self.plan.as_ref())
+    }
+
+    /// Goes by other tracks than it was prepared on.
+    pub fn fly(&self, tracks: &[PlatformTracks]) {
+        let _ = self.flown.set(self.generator.on_tracks(tracks.to_vec()));
+    }
+
+    fn generator(&self) -> &PathGenerator {
+        self.flown.get().unwrap_or(&self.generator)
+    }
+
+    /// What adds it in one thread, to spectra of so many bins.
+    pub fn listener(&self, fft_len: usize) -> Listener<'_> {
+        Listener {
+            of: self,
+            worker: self.engine.worker(self.generator()),
+            desk: Desk::new(self.generator(), fft_len),
+            fft_len,
+        }
+    }
+}
+
+/// Adds an emitter to the pulses of one thread.
+pub(crate) struct Listener<'f> {
+    of: &'f Overheard,
+    worker: Box<dyn EchoWorker + 'f>,
+    desk: Desk<'f>,
+    fft_len: usize,
+}
+
+impl Listener<'_> {
+    /// Goes by the tracks that are flown.
+    pub fn take_off(&mut self) {
+        self.desk.paths = self.of.generator();
+    }
+
+    /// Adds what the windows of a pulse receive to the spectra of its channels.
+    ///
+    /// # Errors
+    /// Paths that cannot be followed.
+    pub fn add(
+        &mut self,
+        pulse: &mut Pulse,
+        spectrum: &mut [Complex64],
+        costs: &mut Costs,
+    ) -> Result<(), PulseError> {
+        self.worker.fill(pulse.index, pulse, &mut self.desk)?;
+        let bins = |channel: usize| -> Range<usize> { channel * self.fft_len..(channel + 1) * self.fft_len };
+        for (own, channels) in self.of.channels.iter().enumerate() {
+            for channel in channels {
+                let (to, from) = (&mut spectrum[bins(*channel)], &self.desk.spectrum[bins(own)]);
+                to.iter_mut().zip(from).for_each(|(sum, own)| *sum += own);
+            }
+        }
+        costs.lap(Stage::Others);
+        Ok(())
+    }
+}

@@ -1,0 +1,232 @@
+//! Emitters beside the radar's own transmitters: against these, a closed form, and the reference.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+use std::path::Path;
+
+use nereus::config::{self, Run};
+use nereus::pipeline::build;
+use nereus::pulse::Samples;
+use nereus::transport::Pace;
+use num_complex::Complex64;
+
+use crate::cases::{sized, some_of};
+use crate::runs;
+
+const C: f64 = 299_792_458.0;
+
+/// A radar on the way over a target and, with `sea`, a patch of sea; `more` is appended.
+fn run(sea: bool, radar: &str, more: &str, settings: &[(&str, &str)]) -> Run {
+    let (patch, water) = if sea {
+        ("patch_size_m = [32, 32]\nfacet_m = 1.0", "[sea]\nwind_mps = 8.0\nwind_from_deg = 200.0")
+    } else {
+        ("", "")
+    };
+    let text = format!(
+        r#"
+        [scene]
+        duration_s = 0.4
+        seed = 3
+        {patch}
+        {water}
+        [radar]
+        carrier_hz = 9.4e9
+        sample_rate_hz = 40e6
+        {radar}
+        [radar.waveform]
+        kind = "lfm"
+        bandwidth_hz = 30e6
+        pulse_s = 1e-6
+        [[platform]]
+        name = "aircraft"
+        track = {{ kind = "straight", position_m = [-40, -2000, 1500], velocity_mps = [90, 0, 0] }}
+        [[platform]]
+        name = "other"
+        track = {{ kind = "straight", position_m = [2500, 600, 1100], velocity_mps = [-60, 30, 2] }}
+        [[transmitter]]
+        name = "tx"
+        platform = "aircraft"
+        power_w = 3.0
+        antenna = {{ kind = "rectangle", width_m = 0.3, height_m = 0.2 }}
+        pointing = {{ kind = "at", position_m = [0, 0, 0] }}
+        [[receiver]]
+        name = "rx"
+        platform = "aircraft"
+        antenna = {{ kind = "rectangle", width_m = 0.3, height_m = 0.2 }}
+        pointing = {{ kind = "at", position_m = [0, 0, 0] }}
+        [[target]]
+        position_m = [3, -4, 1]
+        velocity_mps = [3, -5, 0]
+        rcs_dbsm = 12
+        {more}
+        "#
+    );
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scene.toml");
+    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+    let mut run = config::parse(&text, &path, &settings).unwrap();
+    run.stream.pace = Pace::Fast;
+    run
+}
+
+/// Windows in which the target is received.
+const WINDOW: &str = "window = { samples = 256, start_us = 15.2 }";
+
+/// An antenna of the other platform.
+const OTHER: &str = r#"
+    platform = "other"
+    power_w = 20.0
+    antenna = { kind = "rectangle", width_m = 0.2, height_m = 0.4 }
+    pointing = { kind = "at", position_m = [0, 0, 0] }
+"#;
+
+/// Samples of some pulses by channel, `[pulse][channel][sample]`.
+fn samples(run: &Run, range: Range<u64>) -> Vec<Vec<Vec<Complex64>>> {
+    let of = |pulse: nereus::pulse::Pulse| {
+        let Samples::Cf32(samples) = &pulse.samples else { panic!("a converter") };
+        let channels = samples.chunks_exact(run.scene.radar.window.samples);
+        let widen = |s: &num_complex::Complex32| Complex64::new(s.re.into(), s.im.into());
+        channels.map(|own| own.iter().map(widen).collect()).collect()
+    };
+    runs::kept(build::stream(run, range).unwrap()).into_iter().map(of).collect()
+}
+
+fn power(samples: &[Complex64]) -> f64 {
+    samples.iter().map(|s| s.norm_sqr()).sum()
+}
+
+/// What an emitter adds is what a transmitter of the same train has in channels of its own.
+#[test]
+fn an_emitter_adds_what_a_transmitter_would_have_had() {
+    let train = r#"prf_hz = 500.0"#;
+    for echo in some_of(["reference", "fast"]) {
+        let settings = [("fidelity.echo", echo), ("fidelity.error_db", "-100")];
+        let emitter = format!(
+            "[[emitter]]\nname = \"jam\"\n{train}\npolarisation = \"V\"\ndirect_path = false\n{OTHER}
+            waveform = {{ kind = \"lfm\", bandwidth_hz = 30e6, pulse_s = 1e-6 }}"
+        );
+        let channels = "channels = [\"HH\", \"VH\", \"VV\"]";
+        let both = run(true, &format!("{train}\n{channels}\n{WINDOW}"), &emitter, &settings);
+        let transmitter = format!("[[transmitter]]\nname = \"jam\"\n{OTHER}");
+        let apart = "channels = [\"HH\", \"VH\", \"VV\", \"HV\"]";
+        let two = run(true, &format!("{train}\n{apart}\n{WINDOW}"), &transmitter, &settings);
+        let names: Vec<&str> = two.scene.radar.channels.iter().map(|own| own.name.as_str()).collect();
+        let place = |name: &str| names.iter().position(|own| *own == name).unwrap();
+        let range = 0..sized(40, 12);
+        let mut heard = 0.0;
+        for (sums, parts) in samples(&both, range.clone()).iter().zip(samples(&two, range)) {
+            for (sum, [own, jam]) in
+                sums.iter().zip([["HH-tx-rx", "HV-jam-rx"], ["VH-tx-rx", "VV-jam-rx"], ["VV-tx-rx", "VV-jam-rx"]])
+            {
+                let [own, jam] = [own, jam].map(|name| &parts[place(name)]);
+                let off: Vec<Complex64> =
+                    sum.iter().zip(own.iter().zip(jam)).map(|(sum, (a, b))| sum - (a + b)).collect();
+                let off_db = 10.0 * (power(&off) / power(sum)).log10();
+                assert!(off_db < -95.0, "{echo}: {off_db} dB");
+                heard += power(jam) / power(own);
+            }
+        }
+        assert!(heard > 1.0, "the emitter is faint: {heard}");
+    }
+}
+
+/// A carrier that never pauses, off that of the receiver, by its direct path between antennas that rest:
+/// `sqrt(P g) lambda/(4 pi d) e^{j 2 pi (df t - f d/c)}` in windows of any train, without a step where one of its
+/// pulses ends and the next begins.
+#[test]
+fn a_continuous_carrier_keeps_its_phase() {
+    let (prf_hz, offset_hz, power_w, distance_m) = (8000.0, 3.7e6, 5.0f64, 5000.0);
+    for (echo, train, least_db) in some_of([
+        ("reference", "prf_hz = 317.0", -60.0),
+        ("fast", "prf_hz = 317.0", -60.0),
+        ("fast", "pri_us = [3100, 3250.5, 2900.25]", -60.0),
+    ]) {
+        let emitter = format!(
+            r#"
+            [[platform]]
+            name = "mast"
+            track = {{ kind = "fixed", position_m = [0, 0, 0] }}
+            [[platform]]
+            name = "far"
+            track = {{ kind = "fixed", position_m = [0, {distance_m:?}, 0] }}
+            [[emitter]]
+            name = "carrier"
+            polarisation = "V"
+            platform = "far"
+            carrier_hz = {:?}
+            prf_hz = {prf_hz:?}
+            power_w = {power_w:?}
+            echo = false
+            antenna = {{ kind = "isotropic" }}
+            waveform = {{ kind = "lfm", bandwidth_hz = 1e-3, pulse_s = {:?} }}
+            "#,
+            9.4e9 + offset_hz,
+            1.0 / prf_hz
+        );
+        let listens = [
+            ("fidelity.echo", echo),
+            ("receiver.0.platform", "mast"),
+            ("receiver.0.antenna", "{ kind = 'isotropic' }"),
+            ("target.0.rcs_dbsm", "-300"),
+        ];
+        // Windows that open in the middle of an emission, and hold the seam between two.
+        let window = "window = { samples = 4000, start_us = 40 }";
+        let run = run(false, &format!("{train}\nchannels = [\"VV\"]\n{window}"), &emitter, &listens);
+        let wavelength_m = C / (9.4e9 + offset_hz);
+        let amplitude = power_w.sqrt() * wavelength_m / (2.0 * TAU * distance_m);
+        let emissions = &run.scene.radar.emissions;
+        // The first windows open before the carrier arrives.
+        for (index, pulse) in (5..).zip(samples(&run, 5..5 + sized(40, 10))) {
+            let opens_s = emissions.interval_s(0, index) + 40e-6;
+            let expected = |j: usize| {
+                let t_s = opens_s + j as f64 / 40e6;
+                let turns = (offset_hz * t_s).fract() - ((9.4e9 + offset_hz) * distance_m / C).fract();
+                amplitude * Complex64::cis(TAU * turns)
+            };
+            let off: Vec<Complex64> = pulse[0].iter().enumerate().map(|(j, s)| s - expected(j)).collect();
+            let off_db = 10.0 * (power(&off) / (pulse[0].len() as f64 * amplitude * amplitude)).log10();
+            assert!(off_db < least_db, "{echo}, {train}, pulse {index}: {off_db} dB");
+        }
+    }
+}
+
+/// Trains that have nothing to do with the radar's.
+#[test]
+fn emitters_keep_the_error() {
+    let of = |train: &str, more: &str| {
+        format!(
+            "[[emitter]]\nname = \"jam\"\n{train}\n{more}\n{OTHER}
+            waveform = {{ kind = \"lfm\", bandwidth_hz = 8e6, pulse_s = 3e-6, sweep = \"down\" }}"
+        )
+    };
+    let often = of("prf_hz = 9733.0", "carrier_hz = 9.41e9\npolarisation = \"V\"");
+    let seldom = of("pri_us = [700, 811.5]", "carrier_hz = 9.395e9\npolarisation = \"R\"");
+    let two = format!("{often}\n{}", seldom.replace("jam", "buzz"));
+    let still = "prf_hz = 800.0\nchannels = [\"HH\", \"VV\"]";
+    let turns = "pri_us = [1200, 1300, 1250]\nchannels = [\"HH\", \"VV\"]\ntx_polarisation = \"alternating\"";
+    for (what, radar, emitters, asked) in some_of([
+        ("often", still, &often, "-60"),
+        ("seldom", still, &seldom, "-60"),
+        ("two, a radar that staggers and alternates", turns, &two, "-60"),
+        ("coarse", still, &two, "-40"),
+        ("fine", still, &two, "-80"),
+        ("exact", turns, &two, "-100"),
+    ]) {
+        let run = run(true, &format!("{radar}\n{WINDOW}"), emitters, &[("fidelity.error_db", asked)]);
+        runs::keeps_the_error(what, &run);
+    }
+}
+
+#[test]
+fn what_emitters_add_depends_on_the_pulse_alone() {
+    let emitter = format!(
+        "[[emitter]]\nname = \"jam\"\nprf_hz = 9733.0\ncarrier_hz = 9.41e9\n{OTHER}
+        waveform = {{ kind = \"lfm\", bandwidth_hz = 8e6, pulse_s = 3e-6 }}"
+    );
+    let radar = format!("prf_hz = 800.0\nchannels = [\"HH\", \"VV\"]\n{WINDOW}");
+    let made = |threads: &str, range: Range<u64>| {
+        runs::kept(build::stream(&run(true, &radar, &emitter, &[("stream.threads", threads)]), range).unwrap())
+    };
+    let whole = made("2", 0..200);
+    assert!(made("1", 0..200) == whole, "one thread and two differ");
+    assert!(made("3", 70..151) == whole[70..151], "a range differs from that part of the run");
+}
