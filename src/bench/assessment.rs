@@ -126,7 +126,8 @@ impl Assessment {
         for row in self.models.with.iter_mut().filter(|row| row.what == ECHO) {
             row.how = echo_text(planned);
         }
-        self.plan = Some(PlanReport::new(planned, stream.factory(), factor, stream.predicted_bytes(&run.sinks)));
+        self.plan =
+            Some(PlanReport::new(planned, stream.factory(), factor, stream.predicted_bytes(&run.sinks)));
     }
 }
 

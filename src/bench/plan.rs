@@ -59,7 +59,12 @@ impl EmitterReport {
             0 | 1 => "pulse by pulse".to_owned(),
             _ => format!("nodes {node_pulses} of its emissions apart"),
         };
-        described("emitter", format!("{name}: received by {share:.0} % of the pulses, {how}, {predicted_rel_rms_db:.1} dB predicted"))
+        described(
+            "emitter",
+            format!(
+                "{name}: received by {share:.0} % of the pulses, {how}, {predicted_rel_rms_db:.1} dB predicted"
+            ),
+        )
     }
 }
 
@@ -77,8 +82,9 @@ const BY_DRY_RUN: &str = "dry_run";
 /// Parts of a predicted error, dB; what is none is left out. A dry run that found less than their sum stands
 /// for itself.
 pub fn parts_db(prediction: &Prediction) -> Map<String, Value> {
-    let found = (BY_DRY_RUN, prediction.total() - prediction.modelled());
-    let parts = prediction.parts().into_iter().chain([found]).filter(|(_, part)| *part > 0.0);
+    let found = prediction.dry_run.map_or(0.0, |run| run.error - prediction.modelled());
+    let others = [(BY_DRY_RUN, found), ("emitters", prediction.emitters)];
+    let parts = prediction.parts().into_iter().chain(others).filter(|(_, part)| *part > 0.0);
     parts.map(|(name, part)| (name.to_owned(), Value::from(10.0 * part.log10()))).collect()
 }
 

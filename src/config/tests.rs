@@ -20,12 +20,18 @@ mod changes;
 mod live;
 mod names;
 mod navigation;
+mod emitters;
 mod errors;
 mod faults;
 mod sea;
 mod sea_defaults;
 mod ship;
 
+/// An emitter with every key but one of those of its train.
+const EMITTER: &str = concat!(
+    "[{ name = 'a', platform = 'coast', power_w = 1, prf_hz = 100, antenna = { kind = 'isotropic' }, ",
+    "waveform = { kind = 'lfm', bandwidth_hz = 1e6, pulse_s = 1e-6 } }]"
+);
 const COASTAL: &str = include_str!("../../configs/coastal.toml");
 const QUICKSTART: &str = include_str!("../../configs/quickstart.toml");
 const CALIBRATION: &str = include_str!("../../configs/calibration.toml");
@@ -82,6 +88,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', lat_deg = 1, lon_deg = 2, lead_us = 1 }")]),
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', position_m = [0, 0, 0], lead_us = 1 }")]),
         (COASTAL, &[("receiver.0.window", "{ start_us = 3 }"), ("receiver.0.hears", "['tower']")]),
+        (COASTAL, &[("emitter", EMITTER)]),
         (
             COASTAL,
             &[("receiver.0.window", "{ follow = { kind = 'at', position_m = [0, 0, 0], lead_us = 1 } }")],

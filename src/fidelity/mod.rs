@@ -93,6 +93,9 @@ pub struct Prediction {
     pub between: f64,
     /// Where pulses were made to find out: stands above the sum of all parts.
     pub dry_run: Option<DryRun>,
+    /// Of emitters beside the radar's transmitters, over what a pulse receives of them on average: of echoes
+    /// that add as powers the sum has no more than the worse of both.
+    pub emitters: f64,
 }
 
 impl Prediction {
@@ -119,7 +122,7 @@ impl Prediction {
 
     /// What is predicted, a ratio of powers.
     pub fn total(&self) -> f64 {
-        self.dry_run.map_or_else(|| self.modelled(), |run| run.error)
+        self.dry_run.map_or_else(|| self.modelled(), |run| run.error).max(self.emitters)
     }
 
     /// What is predicted, dB.

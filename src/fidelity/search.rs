@@ -292,7 +292,8 @@ impl<'a> Search<'a> {
         let judge = Judge { power: &self.power };
         let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &self.culled);
         let between = self.between_of_strongest;
-        Prediction { echo, path, tilt, gain, culled, between, in_flight: self.in_flight, dry_run: None }
+        let in_flight = self.in_flight;
+        Prediction { echo, path, tilt, gain, culled, between, in_flight, ..Prediction::default() }
     }
 
     fn keeps(&self, echo: PredictedError, left: &[InterpolationError], gain: &Gain) -> bool {

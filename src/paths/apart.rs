@@ -4,7 +4,7 @@
 //! `k` at `t_k`, and pulses `n` at `t_n` with windows of their own, found by the radar's first pair as ever.
 //! A window receives whatever emissions reach it. A carrier `df` above that of the receiver turns emission
 //! `k` by `df t_k` (both oscillators are in phase at pulse 0); what it turns within an emission is part of
-//! the waveform ([`Placed`](crate::radar::waveform::Placed)).
+//! the waveform ([`Offset`](crate::radar::waveform::Offset)).
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -68,11 +68,6 @@ impl PathGenerator {
         let (times, offset_hz) = (scene.radar.emissions.clone(), emitter.offset_hz(&scene.radar));
         built.apart = Some(Apart { times, pulses: scene.pulses, offset_hz });
         Ok(built)
-    }
-
-    /// The same with as many samples between windows and images of pulses.
-    pub(crate) fn with_guard(self, guard_samples: usize) -> Self {
-        Self { guard_samples, ..self }
     }
 
     /// Whether pulses are not those emitted.
@@ -177,8 +172,7 @@ impl PathGenerator {
         Ok(span.map_or(0..0, |span| self.emissions_within(index, span, closing_mps, &hull)))
     }
 
-    /// Share of the pulses of the run whose windows receive anything, by a few hundred of them; windows as
-    /// those of `radar`.
+    /// Share of some pulses whose windows receive anything; windows as those of `radar`.
     ///
     /// # Errors
     /// Tracks that do not cover the run.
@@ -190,8 +184,35 @@ impl PathGenerator {
                 let start_s = radar.window_start_of(window, index)?;
                 windows.push(Window::new(&self.radar, start_s, self.pulse_length_s));
             }
-            heard += usize::from(!self.heard_at(index, &windows, &mut work)?.is_empty());
+            let mut received = false;
+            for emitted in self.heard_at(index, &windows, &mut work)? {
+                received |=
+                    self.receives(index, emitted, &Window::hull(windows.iter().copied()), &mut work)?;
+            }
+            heard += usize::from(received);
         }
         Ok(heard as f64 / at.len().max(1) as f64)
+    }
+
+    /// Whether a window of a pulse receives anything of an emission: a target, the direct path, or sea and
+    /// ships from the nearest to the farthest.
+    fn receives(
+        &self,
+        index: u64,
+        emitted: u64,
+        window: &Window,
+        work: &mut Workspace,
+    ) -> Result<bool, RadarError> {
+        self.evaluate(emitted, &mut work.own)?;
+        let offset_s = self.offset_s(index, emitted);
+        let points = work.own.paths.iter().any(|path| window.touches(offset_s + path.delay_s));
+        // Without targets only what lies on the sea is left.
+        work.own.paths.clear();
+        let span = self.delay_span_s(emitted, &work.own)?;
+        let touches = |(nearest_s, farthest_s): (f64, f64)| {
+            let lasts_s = window.pulse_s + farthest_s - nearest_s;
+            Window { pulse_s: lasts_s, ..*window }.touches(offset_s + nearest_s)
+        };
+        Ok(points || span.is_some_and(touches))
     }
 }

@@ -144,12 +144,12 @@ use crate::sea::realise::realise;
 use crate::time::TimeTag;
 
 use crate::radar::window::{GUARD_SAMPLES, Window};
+pub(crate) use apart::scene_of;
 use facets::Reception;
 use received::InAir;
 pub use received::{MOST_RECEIVED, Received};
-use sea::{SeaFailure, SeaPlan, SeaWork};
-pub(crate) use apart::scene_of;
 pub(crate) use sea::Drawn;
+use sea::{SeaFailure, SeaPlan, SeaWork};
 pub use survey::BeyondHorizon;
 
 /// Change of the closing speed that a manoeuvre may bring while pulses are in the air, m/s.

@@ -256,7 +256,11 @@ impl PathGenerator {
     }
 
     /// Bounds on all delays of an emission, s; `None` where nothing returns it.
-    pub(super) fn delay_span_s(&self, index: u64, emission: &Emission) -> Result<Option<(f64, f64)>, RadarError> {
+    pub(super) fn delay_span_s(
+        &self,
+        index: u64,
+        emission: &Emission,
+    ) -> Result<Option<(f64, f64)>, RadarError> {
         let elapsed_s = self.radar.emissions.interval_s(0, index);
         let targets = self.with_ships(emission.delay_span_s(), emission, elapsed_s);
         let Some(sea) = &self.sea else { return Ok(targets) };

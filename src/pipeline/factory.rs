@@ -8,6 +8,8 @@ use super::overheard::{self, Overheard};
 use super::prepared::Files;
 use super::stages::{self, PulseFactory};
 use crate::echo::Fidelity;
+use crate::fidelity::Prediction;
+use crate::fidelity::budget::Plan;
 use crate::motion::PlatformTracks;
 use crate::paths::PathGenerator;
 use crate::radar::clock::RunningClocks;
@@ -49,9 +51,8 @@ pub(super) fn with_files(
     let waveform = Arc::clone(files.waveform(scene)?);
     let radar = &scene.radar;
     let drawn = |sea: &Sea| files.sea(sea, scene.seed).cloned();
-    let mut others = overheard::emitting(scene, &tracks, &drawn)?;
+    let others = overheard::emitting(scene, &tracks, &drawn)?;
     let generator = PathGenerator::on(scene, waveform.duration_s(), tracks, &drawn)?;
-    let (generator, waveform) = overheard::level(&mut others, generator, waveform);
     let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
     let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
     let clocks = clocks.map(Arc::new);
@@ -66,6 +67,8 @@ pub(super) fn with_files(
         .into_iter()
         .map(|other| other.planned(&generator, fidelity, segment, clocks.clone()))
         .collect::<Result<_, _>>()?;
+    let emitters = others.iter().map(Overheard::error).fold(0.0, f64::max);
+    let plan = plan.map(|plan| Plan { prediction: Prediction { emitters, ..plan.prediction }, ..plan });
     let factory = PulseFactory::new((echo, plan), (scene, radar), generator, waveform);
     Ok(factory.with_clocks(clocks).with_others(others))
 }

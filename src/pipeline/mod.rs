@@ -26,6 +26,7 @@ pub mod live;
 pub mod memory;
 mod navigation;
 pub mod prepared;
+mod refit;
 pub mod released;
 pub(crate) mod outputs;
 mod overheard;

@@ -7,12 +7,11 @@
 //! S[k] = S_radar[k] + sum over emitters of S_emitter[k]
 //! ```
 //!
-//! Spectra have the same bins: every transform has room for the longest pulse and the widest guard of all.
-//! Echoes of different emitters add as powers on average, and so do their errors. But an emitter may be
+//! Where its pulses are longer or shorter than the radar's its transforms are, too: [`Refit`] brings them to
+//! one length. Echoes of different emitters add as powers on average, and so do their errors. But an emitter may be
 //! received by few pulses, and a pulse is judged by the mean of all: its error is planned finer by the share
 //! of pulses that receive it.
 
-use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
@@ -20,6 +19,7 @@ use num_complex::Complex64;
 use super::engine::{EchoEngine, EchoWorker};
 use super::fault::{BuildErrors, PulseError};
 use super::kit::Desk;
+use super::refit::Refit;
 use super::stages;
 use crate::echo::{Asked, Fidelity};
 use crate::fidelity::budget::{EXACT_DB, Plan};
@@ -30,7 +30,7 @@ use crate::paths::{Drawn, PathGenerator, scene_of};
 use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::clock::RunningClocks;
-use crate::radar::waveform::{self, Placed, Waveform};
+use crate::radar::waveform::{self, Offset, Waveform};
 use crate::scene::{Emitter, Radar, Scene};
 
 /// Pulses of which it is found whether they receive an emitter.
@@ -60,12 +60,14 @@ pub(crate) fn emitting(
     let radar = &scene.radar;
     let of = |emitter: &Emitter| {
         let own = scene_of(scene, emitter);
+        let offset_hz = emitter.offset_hz(radar);
         let waveform = waveform::from_description(&emitter.waveform)?;
+        let waveform: Arc<dyn Waveform> = Arc::new(Offset::new(waveform, offset_hz));
         let tracks = tracks.to_vec();
         let generator =
             PathGenerator::of_emitter((scene, emitter), &own, waveform.duration_s(), tracks, drawn)?;
         let channels = channels_of(radar, &own.radar);
-        let (name, offset_hz) = (emitter.transmitter.name.clone(), emitter.offset_hz(radar));
+        let name = emitter.transmitter.name.clone();
         Ok(Emitting { name, scene: own, generator, waveform, offset_hz, channels })
     };
     radar.emitters.iter().map(of).collect()
@@ -82,24 +84,6 @@ fn channels_of(radar: &Radar, own: &Radar) -> Vec<Vec<usize>> {
     own.channels.iter().map(of).collect()
 }
 
-/// Gives the radar and its emitters transforms of the same length.
-pub(crate) fn level(
-    others: &mut [Emitting],
-    generator: PathGenerator,
-    waveform: Arc<dyn Waveform>,
-) -> (PathGenerator, Arc<dyn Waveform>) {
-    if others.is_empty() {
-        return (generator, waveform);
-    }
-    let longest_s = others.iter().map(|other| other.waveform.duration_s()).fold(waveform.duration_s(), f64::max);
-    let guard = others.iter().map(|other| other.generator.guard_samples()).fold(generator.guard_samples(), usize::max);
-    for other in others {
-        other.generator = other.generator.clone().with_guard(guard);
-        other.waveform = Arc::new(Placed::new(Arc::clone(&other.waveform), other.offset_hz, longest_s));
-    }
-    (generator.with_guard(guard), Arc::new(Placed::new(waveform, 0.0, longest_s)))
-}
-
 /// What receivers take of an emitter. Immutable, shared by all threads.
 pub(crate) struct Overheard {
     name: String,
@@ -107,6 +91,7 @@ pub(crate) struct Overheard {
     flown: OnceLock<PathGenerator>,
     engine: Arc<dyn EchoEngine>,
     channels: Vec<Vec<usize>>,
+    window_samples: usize,
     plan: Option<Plan>,
     share_of_pulses: f64,
 }
@@ -133,7 +118,8 @@ impl Emitting {
                 let seldom_db = 10.0 * share_of_pulses.max(1.0 / PULSES as f64).log10();
                 let one_by_one = asked.node_pulses.filter(|pulses| *pulses <= 1);
                 let error_db = (asked.error_db - FINER_DB + seldom_db).max(EXACT_DB.min(asked.error_db));
-                let asked = Asked { node_pulses: one_by_one, variant: asked.variant, ..Asked::error_db(error_db) };
+                let asked =
+                    Asked { node_pulses: one_by_one, variant: asked.variant, ..Asked::error_db(error_db) };
                 Some(Chooser::new(&scene, &generator, &waveform, &asked)?.choose(&asked)?)
             }
         };
@@ -142,7 +128,8 @@ impl Emitting {
         let received = Radar { carrier_hz, ..scene.radar };
         let engine = stages::engine(plan.as_ref(), &received, Some(segment), &generator, &waveform)?;
         let generator = generator.with_clocks(clocks);
-        Ok(Overheard { name, generator, flown: OnceLock::new(), engine, channels, plan, share_of_pulses })
+        let (flown, window_samples) = (OnceLock::new(), received.window.samples);
+        Ok(Overheard { name, generator, flown, engine, channels, window_samples, plan, share_of_pulses })
     }
 }
 
@@ -150,6 +137,12 @@ impl Overheard {
     /// Its name, the share of the pulses that receive it, and what it is made by; `None` for the reference.
     pub fn summary(&self) -> (&str, f64, Option<&Plan>) {
         (&self.name, self.share_of_pulses, self.plan.as_ref())
+    }
+
+    /// Its error over what a pulse has of it on average, a ratio of powers; 0 of the reference.
+    pub fn error(&self) -> f64 {
+        let seldom = self.share_of_pulses.max(1.0 / PULSES as f64);
+        self.plan.map_or(0.0, |plan| plan.prediction.total() / seldom)
     }
 
     /// Goes by other tracks than it was prepared on.
@@ -163,11 +156,13 @@ impl Overheard {
 
     /// What adds it in one thread, to spectra of so many bins.
     pub fn listener(&self, fft_len: usize) -> Listener<'_> {
+        let own_len = self.engine.fft_len();
         Listener {
             of: self,
             worker: self.engine.worker(self.generator()),
-            desk: Desk::new(self.generator(), fft_len),
-            fft_len,
+            desk: Desk::new(self.generator(), own_len),
+            lens: [own_len, fft_len],
+            refit: Refit::new(self.window_samples, own_len, fft_len),
         }
     }
 }
@@ -177,7 +172,9 @@ pub(crate) struct Listener<'f> {
     of: &'f Overheard,
     worker: Box<dyn EchoWorker + 'f>,
     desk: Desk<'f>,
-    fft_len: usize,
+    /// Bins of its spectra and of the radar's.
+    lens: [usize; 2],
+    refit: Option<Refit>,
 }
 
 impl Listener<'_> {
@@ -197,11 +194,15 @@ impl Listener<'_> {
         costs: &mut Costs,
     ) -> Result<(), PulseError> {
         self.worker.fill(pulse.index, pulse, &mut self.desk)?;
-        let bins = |channel: usize| -> Range<usize> { channel * self.fft_len..(channel + 1) * self.fft_len };
-        for (own, channels) in self.of.channels.iter().enumerate() {
+        let [own_len, fft_len] = self.lens;
+        for (own, channels) in self.desk.spectrum.chunks_exact(own_len).zip(&self.of.channels) {
+            let own = match &mut self.refit {
+                Some(refit) => refit.refitted(own),
+                None => own,
+            };
             for channel in channels {
-                let (to, from) = (&mut spectrum[bins(*channel)], &self.desk.spectrum[bins(own)]);
-                to.iter_mut().zip(from).for_each(|(sum, own)| *sum += own);
+                let to = &mut spectrum[channel * fft_len..][..fft_len];
+                to.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
             }
         }
         costs.lap(Stage::Others);

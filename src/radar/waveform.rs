@@ -28,7 +28,7 @@
 
 mod fresnel;
 mod lfm;
-mod placed;
+mod offset;
 mod sampled;
 
 use std::fmt;
@@ -41,7 +41,7 @@ use thiserror::Error;
 use crate::scene;
 
 pub use lfm::Lfm;
-pub(crate) use placed::Placed;
+pub(crate) use offset::Offset;
 pub use sampled::{MAX_SAMPLES, Sampled};
 
 /// Largest time-bandwidth product of a sweep: the spectrum is then still exact to 1e-7 of its peak.

@@ -1,4 +1,4 @@
-//! More transmitters and receivers of random scenes.
+//! More transmitters and receivers of random scenes, and emitters beside.
 
 use std::fmt::Write as _;
 
@@ -6,25 +6,60 @@ use rand::Rng;
 
 use super::random_scene::{Draw, Flight, Geometry, Signal, line};
 
+const LOOKS: &str = "antenna = { kind = \"isotropic\", gain_dbi = 12.0 }\npointing = { kind = \"at\", position_m = [0.0, 0.0, 0.0] }";
+
+fn platform(name: &str, flight: Flight, out: &mut String) {
+    line!(out, "[[platform]]\nname = \"{name}\"");
+    let Flight { position_m, velocity_mps } = flight;
+    match velocity_mps == [0.0; 3] {
+        true => line!(out, "track = {{ kind = \"fixed\", position_m = {position_m:?} }}"),
+        false => line!(
+            out,
+            "track = {{ kind = \"straight\", position_m = {position_m:?}, velocity_mps = {velocity_mps:?} }}"
+        ),
+    }
+}
+
+/// Now and then one or two emitters, seldom or often heard, near the carrier or on it, faint or loud.
+pub(super) fn emitters(draw: &mut Draw, (geometry, signal): (&Geometry, &Signal), out: &mut String) {
+    if !draw.chance(0.2) {
+        return;
+    }
+    for n in 0..draw.one(&[1, 1, 2]) {
+        platform(&format!("e{n}"), Flight::drawn(draw, geometry.partner, geometry.lasts_s), out);
+        let prf_hz = draw.log(0.3 * geometry.prf_hz, 10.0 * geometry.prf_hz);
+        let bandwidth_hz = draw.log(0.01, 1.5) * signal.rate_hz;
+        let pulse_s =
+            draw.log(2.0 / bandwidth_hz, 0.3 * signal.samples as f64 / signal.rate_hz).min(1.0 / prf_hz);
+        let carrier_hz = geometry.carrier_hz + draw.between(-0.4, 0.4) * signal.rate_hz;
+        line!(
+            out,
+            "[[emitter]]\nname = \"c{n}\"\nplatform = \"e{n}\"\npower_w = {:?}\ncarrier_hz = {carrier_hz:?}\n{LOOKS}",
+            draw.log(1e-4, 10.0)
+        );
+        line!(
+            out,
+            "waveform = {{ kind = \"lfm\", bandwidth_hz = {bandwidth_hz:?}, pulse_s = {pulse_s:?} }}\npolarisation = \"{}\"\ndirect_path = {}",
+            draw.one(&["H", "V", "R", "L"]),
+            draw.chance(0.7)
+        );
+        if draw.chance(0.3) {
+            let interval_us = 1e6 / prf_hz;
+            line!(out, "pri_us = [{interval_us:?}, {:?}]", 1.1 * interval_us);
+        } else {
+            line!(out, "prf_hz = {prf_hz:?}");
+        }
+    }
+}
+
 /// Now and then another transmitter, and receivers elsewhere: with windows of their own that follow or are
 /// fixed, on their own platform or beside others, some of which hear one transmitter alone.
 pub(super) fn more_ends(draw: &mut Draw, (geometry, signal): (&Geometry, &Signal), out: &mut String) {
     if !draw.chance(0.25) {
         return;
     }
-    let place = |flight: Flight, n: usize, out: &mut String| {
-        line!(out, "[[platform]]\nname = \"q{n}\"");
-        let Flight { position_m, velocity_mps } = flight;
-        match velocity_mps == [0.0; 3] {
-            true => line!(out, "track = {{ kind = \"fixed\", position_m = {position_m:?} }}"),
-            false => line!(
-                out,
-                "track = {{ kind = \"straight\", position_m = {position_m:?}, velocity_mps = {velocity_mps:?} }}"
-            ),
-        }
-    };
-    let looks = "antenna = { kind = \"isotropic\", gain_dbi = 12.0 }\npointing = { kind = \"at\", position_m = [0.0, 0.0, 0.0] }";
-    let sends = draw.chance(0.3);
+    let (looks, sends) = (LOOKS, draw.chance(0.3));
+    let place = |flight, n: usize, out: &mut String| platform(&format!("q{n}"), flight, out);
     if sends {
         place(Flight::drawn(draw, geometry.kind, geometry.lasts_s), 0, out);
         line!(out, "[[transmitter]]\nname = \"b0\"\nplatform = \"q0\"\npower_w = 5.0\n{looks}");

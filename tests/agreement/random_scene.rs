@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::random_ends::more_ends;
+use super::random_ends::{emitters, more_ends};
 
 const LIGHT_MPS: f64 = 299_792_458.0;
 /// Keeps draws of slow time apart from those of the rest.
@@ -20,6 +20,8 @@ const SLOW_TIME: u64 = 0x510;
 const OVERLAP: u64 = 0x0E1A;
 /// And those of further transmitters and receivers.
 const ENDS: u64 = 0xE4D5;
+/// And those of emitters beside.
+const EMITTERS: u64 = 0x0E17;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
@@ -48,12 +50,12 @@ pub(super) struct Flight {
 pub(super) struct Draw(pub(super) ChaCha8Rng);
 
 impl Draw {
-    fn between(&mut self, from: f64, to: f64) -> f64 {
+    pub(super) fn between(&mut self, from: f64, to: f64) -> f64 {
         self.0.random_range(from..to)
     }
 
     /// Evenly over the logarithm.
-    fn log(&mut self, from: f64, to: f64) -> f64 {
+    pub(super) fn log(&mut self, from: f64, to: f64) -> f64 {
         self.between(from.ln(), to.ln()).exp()
     }
 
@@ -148,10 +150,10 @@ pub(super) struct Geometry {
     pub(super) kind: &'static Kind,
     pub(super) partner: &'static Kind,
     bistatic: bool,
-    carrier_hz: f64,
+    pub(super) carrier_hz: f64,
     facet_m: f64,
     size_m: [f64; 2],
-    prf_hz: f64,
+    pub(super) prf_hz: f64,
     pub(super) lasts_s: f64,
     pub(super) own: Flight,
     pub(super) other: Flight,
@@ -207,6 +209,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
     platforms(&mut draw, &geometry, &mut text);
     antennas(&mut draw, &geometry, &mut text);
     more_ends(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ ENDS)), (&geometry, &signal), &mut text);
+    emitters(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ EMITTERS)), (&geometry, &signal), &mut text);
     line!(text, "[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
     line!(text, "[stream]\npace = \"fast\"\nthreads = 1");
     RandomScene { family, asked_db, text }

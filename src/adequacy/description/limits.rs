@@ -8,7 +8,7 @@ use crate::scene::radar::Pattern;
 use crate::units::neat;
 
 /// Effects that are left out of every run: what, and what stands for it.
-const NEVER: [(&str, &str); 11] = [
+const NEVER: [(&str, &str); 10] = [
     ("multipath to ships", "no reflection from the sea between antenna and hull"),
     ("echo of spray", "none of its own"),
     (
@@ -28,7 +28,6 @@ const NEVER: [(&str, &str); 11] = [
         "receiver errors",
         "no I/Q imbalance, offset, gain control or intermodulation; no aperture jitter of the ADC",
     ),
-    ("interference", "no other emitters, no jamming"),
 ];
 
 /// Carrier above which evaporation ducts guide, Hz.
@@ -70,6 +69,13 @@ pub(super) fn models(run: &Run, without: &mut Vec<Described>) {
         let how = "main lobes alone; none from beyond the pulse interval; drops are spheres; no profile of rate and wind";
         without.push(described("more of rain", how));
     }
+    without.push(if run.scene.radar.emitters.is_empty() {
+        described("interference", "no [[emitter]]: no other radars, no jamming")
+    } else {
+        let how =
+            "no echo of rain; no clock errors but those of the channels; no noise of their transmitters";
+        described("more of emitters", how)
+    });
     without.push(described("refraction", refraction(run.scene.frame.earth())));
     if run.scene.radar.carrier_hz > DUCTED_FROM_HZ {
         let how = "significant above 3 GHz at grazing angles below 1 degree, where it carries far beyond the horizon";

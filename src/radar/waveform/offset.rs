@@ -1,4 +1,4 @@
-//! A pulse as a receiver of another carrier takes it, on a transform that others share.
+//! A pulse as a receiver of another carrier takes it.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -7,27 +7,23 @@ use num_complex::Complex64;
 
 use super::Waveform;
 
-/// A waveform whose carrier lies so far above that of the receiver,
+/// A waveform whose carrier lies so far above that of the receiver:
 ///
 /// ```text
 /// p'(u) = p(u) e^{j 2 pi df u} ,  P'(f) = P(f - df)
 /// ```
-///
-/// and which takes as much room in a transform as the longest of those that are received together, so that
-/// their spectra have the same bins.
-pub(crate) struct Placed {
+pub(crate) struct Offset {
     waveform: Arc<dyn Waveform>,
     offset_hz: f64,
-    longest_s: f64,
 }
 
-impl Placed {
-    pub fn new(waveform: Arc<dyn Waveform>, offset_hz: f64, longest_s: f64) -> Self {
-        Self { waveform, offset_hz, longest_s }
+impl Offset {
+    pub fn new(waveform: Arc<dyn Waveform>, offset_hz: f64) -> Self {
+        Self { waveform, offset_hz }
     }
 }
 
-impl Waveform for Placed {
+impl Waveform for Offset {
     fn name(&self) -> &str {
         self.waveform.name()
     }
@@ -50,10 +46,5 @@ impl Waveform for Placed {
 
     fn sweep_rate_hz_per_s(&self) -> Option<f64> {
         self.waveform.sweep_rate_hz_per_s()
-    }
-
-    fn span_samples(&self, sample_rate_hz: f64) -> usize {
-        let longest = (self.longest_s * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as usize;
-        self.waveform.span_samples(sample_rate_hz).max(longest)
     }
 }
