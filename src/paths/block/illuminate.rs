@@ -23,6 +23,9 @@ use crate::scattering::facets::Phases;
 use crate::scattering::lanes::{Batch, Beside};
 use crate::scene::Patch;
 
+/// Most power of a channel over that of the largest entry of a matrix: ports may be as much H as V.
+const OF_PORTS: f32 = 4.0;
+
 impl TileWork {
     /// Instants of the tile at hand.
     pub(super) fn timing(&self) -> &Timing {
@@ -43,7 +46,6 @@ impl PathGenerator {
     /// Evaluates the tile of the runs at hand: [`TileWork::tile`]. Facets that return nothing to any pair at
     /// any pulse are left out.
     pub(super) fn evaluate_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
-        work.batch.reflects = false;
         self.place(patch, work);
         self.sight(work);
         self.keep_illuminated(work);
@@ -57,7 +59,6 @@ impl PathGenerator {
                 self.epoch(sea, pair, place, footprint_m2, work);
             }
             self.factors(pair, work);
-            self.turn(sea, pair, work);
         }
     }
 
@@ -372,7 +373,7 @@ impl PathGenerator {
         let (tx_axes, _) = self.axes_of(&instant.emission, tx);
         let (rx_axes, rx_change) = self.axes_of(&instant.emission, rx);
         let bases = [tx, rx].map(|antenna| self.basis_of(&instant.emission, antenna));
-        batch.count = count;
+        (batch.count, batch.reflects) = (count, 0.0);
         variant.run(Sight {
             slopes,
             strains,
@@ -414,10 +415,14 @@ impl PathGenerator {
             let (rows, weights) = (&areas[..paths.len()], &instant.weights);
             variant.run(Stretched { count, rows, weights, out: &mut scale });
         }
+        let widest = scale[..count].iter().fold(0.0, |a: f32, b| a.max(*b));
+        out.specular_w = OF_PORTS * (batch.reflects * widest).powi(2);
         self.combine(*variant, plan, (batch, view), &scale, out);
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
             if !self.antennas[antenna].is_real() {
                 self.complex_gain(antenna, axes, change, end, view, out, count);
+                // By the gain at each facet, which is not asked for here.
+                out.specular_w = if batch.reflects > 0.0 { f32::INFINITY } else { 0.0 };
             }
         }
     }

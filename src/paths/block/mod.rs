@@ -87,6 +87,7 @@ use shadows::{Heights, Maker, ShadowWeights};
 pub use slow_time::SlowTime;
 use supports::SupportSets;
 pub use supports::{Supports, TAPS};
+use tile::compact;
 pub use tile::{Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of, layers_of};
 use timing::Timings;
 use travelling::Part;
@@ -260,11 +261,13 @@ impl PathGenerator {
             while let Some(own) = part {
                 work.part = own;
                 self.evaluate_tile(sea, patch, work);
-                part = sea.part_after(own, work.batch.reflects);
+                part = sea.part_after(own, || work.tile.reflects((samples, least)));
                 if work.tile.tier == Tier::Sidelobe {
                     tally.sidelobe += facets;
                 }
-                work.tile.thin_out(work.variant, samples, least, tally);
+                work.thin_out((samples, least), tally);
+                // What is left out need not be turned.
+                (0..self.plans.len()).for_each(|pair| self.turn(sea, pair, work));
                 costs.lap(Stage::ScattererPaths);
                 if work.tile.count > 0 {
                     each(&work.tile);
@@ -370,6 +373,18 @@ impl TileWork {
         self.runs.clear();
         self.runs.extend(runs);
         self.runs.iter().map(|run| run.count).sum()
+    }
+
+    /// Leaves out facets of the tile that add nothing to the echo.
+    fn thin_out(&mut self, samples: (&[Sample], f64), tally: &mut Tally) {
+        let Self { variant, tile, kept, keys, land, .. } = self;
+        if tile.thin_out(*variant, samples, tally, kept) {
+            compact(keys, kept);
+            if land.count > 0 {
+                land.rows_mut().for_each(|row| compact(row, kept));
+                land.land[kept.len()..].fill(0.0);
+            }
+        }
     }
 
     /// Emissions of nodes, scattering epochs and gain instants, and the weights of interpolation.
