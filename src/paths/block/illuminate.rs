@@ -47,7 +47,7 @@ impl PathGenerator {
     /// any pulse are left out.
     pub(super) fn evaluate_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
         self.place(patch, work);
-        self.sight(work);
+        self.sight(sea, work);
         self.keep_illuminated(work);
         self.choose_supports(sea, work);
         if work.tile.count == 0 {
@@ -64,14 +64,17 @@ impl PathGenerator {
 
     /// Paths and gains: at the few instants of a sidelobe tile first, where tiles may be in the sidelobes,
     /// and at all where this one is not.
-    fn sight(&self, work: &mut TileWork) {
+    fn sight(&self, sea: &SeaPlan, work: &mut TileWork) {
         let mut ends_known = false;
+        let mut tier = Tier::Mainlobe;
         if !work.sidelobe_below.is_empty() {
             work.choose(Tier::Sidelobe);
             for place in 0..work.timings.sidelobe.instants.node_count {
                 self.find_paths(place, work);
             }
-            if (0..self.plans.len())
+            if self.is_wake(sea, work) {
+                tier = Tier::Wake;
+            } else if (0..self.plans.len())
                 .all(|pair| self.gains(pair, work.sidelobe_below.get(pair).copied(), work))
             {
                 return;
@@ -91,10 +94,13 @@ impl PathGenerator {
             work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
             ends_known = true;
         }
-        work.choose(Tier::Mainlobe);
+        work.choose(tier);
         let nodes = work.timings.mainlobe.instants.node_count;
         for place in if ends_known { 1..nodes - 1 } else { 0..nodes } {
             self.find_paths(place, work);
+        }
+        if !ends_known && self.is_wake(sea, work) {
+            work.choose(Tier::Wake);
         }
         for pair in 0..self.plans.len() {
             self.gains(pair, None, work);
