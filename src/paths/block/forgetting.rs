@@ -26,7 +26,7 @@ pub const FACET_BYTES: usize = size_of::<[Wave; WAVES]>();
 const LONGEST: usize = 64;
 /// Waves that turn side by side: a step waits for the one before.
 const TOGETHER: usize = 4;
-const _: () = assert!(WAVES % TOGETHER == 0);
+const _: () = assert!(WAVES.is_multiple_of(TOGETHER));
 
 /// The waves of a mechanism, at the keys of their facets modulo the patch.
 #[derive(Clone)]
