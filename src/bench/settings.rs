@@ -57,6 +57,9 @@ pub fn settings(chosen: Option<&EchoSettings>) -> Map<String, Value> {
         set("panel_pulses", json!(panel_pulses));
     }
     set("scatter_pulses", json!(chosen.scatter_pulses()));
+    if let Some(pulses) = chosen.wake_scatter_pulses() {
+        set("wake_scatter_pulses", json!(pulses));
+    }
     set("sidelobe_db", chosen.sidelobe.map_or(json!("none"), |sidelobe| json!(sidelobe.below_db)));
     set("kernel_width", json!(chosen.echo.width));
     set("oversampling", json!(chosen.echo.oversampling));

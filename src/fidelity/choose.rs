@@ -115,6 +115,8 @@ impl<'a> Chooser<'a> {
                 node_pulses: 1,
                 overlap_pulses,
                 epochs_per_node: 1,
+                wake_epochs: None,
+                wake_share: 0.0,
                 gain_pulses,
                 panel_pulses,
                 sidelobe: None,

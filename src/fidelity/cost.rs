@@ -17,10 +17,10 @@
 //! | points | targets, direct paths, and panels of ships, breakers and rain as far as they cost as much, x pairs | fill, spread |
 //! | lines | facets x pairs, and as many as `LINES` in a block, where Bragg waves travel | scatterer paths |
 //!
-//! Sidelobe tiles have 2 nodes, 2 or 3 scattering epochs and fewer gain epochs; the gains of all tiles are
-//! found there first, to sort them. A block of a single pulse takes the way of the reference's scatterer
-//! paths. Everything is spent by one worker: `n` workers make `n` times as many pulses, as far as they do not
-//! wait for each other's memory.
+//! Wake tiles have scattering epochs of their own. Sidelobe tiles have 2 nodes, 2 or 3 scattering epochs and
+//! fewer gain epochs; the gains of all tiles are found there first, to sort them. A block of a single pulse
+//! takes the way of the reference's scatterer paths. Everything is spent by one worker: `n` workers make `n`
+//! times as many pulses, as far as they do not wait for each other's memory.
 
 use crate::echo::synth::doppler::Doppler;
 use crate::echo::synth::{Precision, Settings};
@@ -242,7 +242,10 @@ impl Size {
         let per_block = |times: f64| facets * times / pulses;
         let ends = if self.hold_pulses.is_some() { 1.0 } else { 1.5 * update_pulses.unwrap_or(0.0) };
         let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0 + ends) / update.max(1e-9));
-        let epochs = (3 * chosen.epochs_per_node + 1) as f64;
+        let of_wakes = chosen.wake_epochs.map_or(0.0, |_| chosen.wake_share);
+        let of_block = |epochs: usize| (3 * epochs + 1) as f64;
+        let epochs = (1.0 - of_wakes) * of_block(chosen.epochs_per_node)
+            + of_wakes * of_block(chosen.wake_epochs.unwrap_or(0));
         let step = gain_step(block as usize, chosen.gain_pulses as usize);
         let step_of_sidelobe = gain_step(block as usize, sidelobe_gain_pulses(step));
         let [instants, of_sidelobe] =

@@ -12,6 +12,10 @@ pub struct EchoSettings {
     pub overlap_pulses: u64,
     /// Scattering epochs from node to node.
     pub epochs_per_node: usize,
+    /// The same in wake tiles, if there may be any.
+    pub wake_epochs: Option<usize>,
+    /// Share of the facets in these.
+    pub wake_share: f64,
     /// Pulses from gain to gain.
     pub gain_pulses: u64,
     /// Pulses from node to node of the panels of ships; `None` where none echo by their mesh.
@@ -44,6 +48,11 @@ impl EchoSettings {
     /// Pulses from one scattering epoch to the next.
     pub fn scatter_pulses(&self) -> u64 {
         self.node_pulses.div_ceil(self.epochs_per_node.max(1) as u64)
+    }
+
+    /// Pulses from one scattering epoch to the next in wake tiles, if there may be any.
+    pub fn wake_scatter_pulses(&self) -> Option<u64> {
+        self.wake_epochs.map(|epochs| self.node_pulses.div_ceil(epochs.max(1) as u64))
     }
 }
 

@@ -13,7 +13,7 @@ use super::{PlanError, Prediction};
 use crate::echo::synth::PredictedError;
 use crate::fidelity::budget::{Budget, Plan};
 use crate::paths::PathGenerator;
-use crate::paths::block::{EPOCHS_PER_NODE, GAIN_POINTS, Sidelobe};
+use crate::paths::block::{EPOCHS_PER_NODE, GAIN_POINTS, Sidelobe, WAKE_EPOCHS};
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
 
@@ -95,6 +95,7 @@ pub(super) struct Search<'a> {
     hold_pulses: Option<u64>,
     overlap_pulses: u64,
     has_sea: bool,
+    has_wakes: bool,
     farthest_epoch: u64,
     /// What tiles may lack at their supports alone, and that in the strongest pulse.
     between: Option<f64>,
@@ -140,6 +141,7 @@ impl<'a> Search<'a> {
             hold_pulses: generator.hold_pulses(),
             overlap_pulses: generator.overlap_pulses().unwrap_or(0),
             has_sea,
+            has_wakes: generator.has_short_waves(),
             between,
             between_of_strongest: between.unwrap_or(0.0) * sampler.peak([1.0, 0.0]).max(1.0),
             farthest_epoch: if sampler.turning() { farthest_epoch(scene) } else { u64::MAX },
@@ -191,7 +193,8 @@ impl<'a> Search<'a> {
         let mut probed = vec![sampler.left(0, node_pulses)?];
         let allows = self.thresholds.iter().any(|candidate| {
             (1..=EPOCHS_PER_NODE).any(|epochs| {
-                let left = self.left(&probed, epochs, candidate);
+                let closest = self.wake_epochs(epochs).last().copied().flatten();
+                let left = self.left(&probed, (epochs, closest), candidate);
                 let mut of_candidate = gains.iter().filter(|gain| gain.candidate.n == candidate.n);
                 of_candidate.any(|gain| self.keeps(echo, &left, gain))
             })
@@ -225,15 +228,19 @@ impl<'a> Search<'a> {
             if asked.scatter_pulses.map_or(far, other) {
                 continue;
             }
-            for candidate in &self.thresholds {
-                let left = self.left(probed, epochs, candidate);
+            let wake_epochs = self.wake_epochs(epochs);
+            let each = wake_epochs.iter().flat_map(|own| self.thresholds.iter().map(|c| (*own, c)));
+            for (wake_epochs, candidate) in each {
+                let left = self.left(probed, (epochs, wake_epochs), candidate);
                 for gain in gains.iter().filter(|gain| gain.candidate.n == candidate.n) {
                     // What was found for long blocks holds where six instants of gain fit in.
                     let few = 3 * node_pulses < (GAIN_POINTS as u64 - 1) * gain.pulses;
                     if few && gain.pulses > 1 && asked.gain_pulses.is_none() {
                         continue;
                     }
-                    let chosen = self.settings(node_pulses, epochs, gain.pulses, candidate);
+                    let mut chosen = self.settings(node_pulses, epochs, gain.pulses, candidate);
+                    let share = probed.iter().map(|probed| probed.wake_share()).fold(0.0, f64::max);
+                    (chosen.wake_epochs, chosen.wake_share) = (wake_epochs, share);
                     let (prediction, work) = (self.predict(echo, &left, gain), self.size.work(&chosen, true));
                     plans.push(Plan { asked: *asked, chosen, prediction, work, size: self.size });
                 }
@@ -262,7 +269,21 @@ impl<'a> Search<'a> {
         each.map(of).collect()
     }
 
-    fn left(&self, probed: &[Rc<Probed>], epochs: usize, candidate: &Candidate) -> Vec<InterpolationError> {
+    /// Scattering epochs that wake tiles may have, where others have so many.
+    fn wake_epochs(&self, epochs: usize) -> Vec<Option<usize>> {
+        if self.has_wakes {
+            WAKE_EPOCHS.into_iter().filter(|own| *own >= epochs).map(Some).collect()
+        } else {
+            vec![None]
+        }
+    }
+
+    fn left(
+        &self,
+        probed: &[Rc<Probed>],
+        epochs: (usize, Option<usize>),
+        candidate: &Candidate,
+    ) -> Vec<InterpolationError> {
         probed.iter().flat_map(|probed| probed.left(epochs, &self.candidates, candidate.n)).collect()
     }
 
@@ -277,6 +298,8 @@ impl<'a> Search<'a> {
             node_pulses,
             overlap_pulses: self.overlap_pulses,
             epochs_per_node,
+            wake_epochs: None,
+            wake_share: 0.0,
             gain_pulses,
             panel_pulses: self.panel_pulses,
             sidelobe: candidate.sidelobe,

@@ -52,6 +52,11 @@ impl Candidates {
         self.thresholds_db.len() + 1
     }
 
+    /// The bin of wake tiles, which are no sidelobe tiles, after all others.
+    pub fn wake_bin(&self) -> usize {
+        self.bins()
+    }
+
     /// Bin of a tile with such a share of the peak gain of field: candidates above it.
     pub fn bin(&self, share: f32) -> usize {
         let gain_db = 20.0 * f64::from(share).log10();
@@ -64,13 +69,13 @@ impl Candidates {
     }
 }
 
-/// A sum for every bin.
+/// A sum for every bin, that of wake tiles last.
 #[derive(Clone, Debug)]
 pub(super) struct Binned(pub(super) Vec<Sum>);
 
 impl Binned {
     pub(super) fn new(candidates: &Candidates) -> Self {
-        Self(vec![Sum::default(); candidates.bins()])
+        Self(vec![Sum::default(); candidates.bins() + 1])
     }
 
     /// How many numbers it holds.
@@ -80,10 +85,14 @@ impl Binned {
 
     /// Adds those of the sidelobe tiles at a candidate, or those of all others, to a sum.
     pub(super) fn join_into(&self, candidates: &Candidates, candidate: usize, sidelobe: bool, sum: &mut Sum) {
-        for (_, own) in
-            self.0.iter().enumerate().filter(|(bin, _)| candidates.is_sidelobe(*bin, candidate) == sidelobe)
-        {
+        let of_gains = self.0.iter().enumerate().take(candidates.bins());
+        for (_, own) in of_gains.filter(|(bin, _)| candidates.is_sidelobe(*bin, candidate) == sidelobe) {
             sum.join(own);
         }
+    }
+
+    /// Adds that of wake tiles to a sum.
+    pub(super) fn join_wake_into(&self, sum: &mut Sum) {
+        self.0.last().into_iter().for_each(|own| sum.join(own));
     }
 }

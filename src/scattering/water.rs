@@ -130,6 +130,9 @@ fn nearest([[x0, x1], [y0, y1]]: [[f64; 2]; 2], pose: &Pose) -> [f64; 2] {
     [astern_m, (-port_m.min(starboard_m)).max(0.0)]
 }
 
+/// Least wave number by which a tilted facet scatters over that of the mean sea: wedges of short waves are
+/// drawn so much wider.
+const OF_TILTED: f64 = 0.5;
 /// Longest wave of which a strip knows the damping, rad/m.
 const LONGEST_STIRRED_RADPM: f64 = 0.5;
 
@@ -508,6 +511,21 @@ impl WaterScattering {
     /// Whether ships have short waves that scatter.
     pub fn has_short_waves(&self) -> bool {
         !self.short_waves.is_empty()
+    }
+
+    /// Whether short waves of a ship may scatter within a rectangle (least and largest x, and y), where the
+    /// mean sea scatters by wave numbers of `least_radpm` and more.
+    pub fn short_waves_within(&self, bounds_m: [[f64; 2]; 2], poses: &[Pose], least_radpm: f64) -> bool {
+        let poses = poses.get(self.strips.len()..).unwrap_or(&[]);
+        let within = |(nodes, pose): (&ShortWaveNodes, &Pose)| {
+            nodes.wedge(OF_TILTED * least_radpm).holds(nearest(bounds_m, pose))
+        };
+        self.short_waves.iter().zip(poses).any(within)
+    }
+
+    /// Wave number of the carrier, rad/m.
+    pub fn wavenumber_radpm(&self) -> f64 {
+        self.wavenumber_radpm
     }
 
     /// Spectrum of the short waves of ships at a place and a wave vector on the axes of the wind, m^4.

@@ -22,7 +22,7 @@ use super::spread::{DelayPolynomials, Emitted, Job, TICKS};
 use super::{Synth, of_group};
 use crate::cpu::Task;
 use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
-use crate::paths::block::{Instants, Pair, TURNED_LANES, Tile};
+use crate::paths::block::{Pair, Piece, TURNED_LANES, Tile};
 
 /// Most emissions that are spread with one set of polynomials: their grids stay in the cache.
 pub(super) const TOGETHER: usize = 64;
@@ -55,13 +55,6 @@ pub(super) struct Rows {
     pub shifts: Vec<i32>,
     /// For a pulse whose rows lie too far apart to be added at once.
     pub sum: Vec<f32>,
-}
-
-/// Pulses from a node to the next.
-pub(super) fn intervals_of(nodes: &[usize], interval: usize, pulses: usize) -> Range<usize> {
-    let from = if interval == 0 { 0 } else { nodes[interval] };
-    let last = interval + 2 >= nodes.len();
-    from..if last { pulses } else { nodes[interval + 1] }
 }
 
 /// A quantity at both ends of an interval.
@@ -107,29 +100,28 @@ impl Synth<f32> {
         work: &mut LaneWork,
         grids: &mut Grids<f32>,
     ) {
-        let Instants { nodes, node_count, .. } = tile.instants;
+        let node_count = tile.instants.node_count;
         if node_count == 0 || tile.count == 0 {
             return;
         }
         if let Some(supports) = tile.supports() {
             return self.spread_profiles(tile, pair, supports, frame, work, grids);
         }
-        let pulses = tile.instants.pulses;
         self.fill_moments(tile, pair, frame.mean_hz[pair], work);
         let mut at = None;
         for interval in 0..node_count.saturating_sub(1).max(1) {
-            let Range { start: from, end: to } = intervals_of(&nodes[..node_count], interval, pulses);
-            if from < to {
-                let epochs = tile.instants.epochs_between(interval);
-                if at != Some(epochs.start) {
-                    at = Some(epochs.start);
-                    self.amplitudes_through(tile, pair, epochs, tile.slow.at(pulses / 2), work);
+            for Piece { pulses: Range { start: from, end: to }, epochs, middle } in
+                tile.instants.pieces(interval).filter(|piece| !piece.pulses.is_empty())
+            {
+                if at != Some((epochs.start, middle)) {
+                    at = Some((epochs.start, middle));
+                    self.amplitudes_through(tile, pair, epochs, tile.slow.at(middle), work);
                 }
                 // As many together as stay in the cache with what they are spread on.
                 let parts = (to - from).div_ceil(TOGETHER);
                 for part in 0..parts {
                     let [a, b] = [part, part + 1].map(|n| from + n * (to - from) / parts);
-                    self.spread_interval(tile, pair, interval, a..b, frame, work, grids);
+                    self.spread_interval(tile, pair, (interval, middle), a..b, frame, work, grids);
                 }
             }
         }
@@ -244,12 +236,13 @@ impl Synth<f32> {
         self.variant.run(task);
     }
 
-    /// Spreads a tile on the grids of the pulses from one node to the next.
+    /// Spreads a tile on the grids of pulses from one node to the next; powers of amplitudes count from a
+    /// pulse.
     fn spread_interval(
         &self,
         tile: &Tile,
         pair: usize,
-        interval: usize,
+        (interval, of_amplitudes): (usize, usize),
         pulses: Range<usize>,
         frame: &Frame,
         work: &mut LaneWork,
@@ -258,7 +251,7 @@ impl Synth<f32> {
         let LaneWork { polynomials, amplitude, emitted, powers: in_use, .. } = work;
         let slow = &tile.slow;
         let middle = slow.at(pulses.start + pulses.len() / 2);
-        let middles = [middle, slow.at(tile.instants.pulses / 2)];
+        let middles = [middle, slow.at(of_amplitudes)];
         let groups = frame.groups.get(pulses.clone()).unwrap_or_default();
         let time = |row: usize| middles.map(|middle| slow.at(pulses.start + row) - middle);
         let reference_s =

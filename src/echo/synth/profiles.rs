@@ -15,13 +15,13 @@ use std::ops::Range;
 
 use super::frame::Frame;
 use super::grid::{FAR_CELLS, Grids, Lined};
-use super::lanes::{LaneWork, Rows, TOGETHER, intervals_of};
+use super::lanes::{LaneWork, Rows, TOGETHER};
 use super::scalar::Scalar;
 use super::spread::{DelayPolynomials, Emitted, Job};
 use super::{Layer, Synth};
 use crate::cpu::Task;
 use crate::geometry::lanes::LANES;
-use crate::paths::block::{Instants, Pair, Supports, TAPS, TURNED_LANES, Tile};
+use crate::paths::block::{Pair, Piece, Supports, TAPS, TURNED_LANES, Tile};
 use crate::radar::phasor::phasor;
 
 /// Numbers of cells that are added at once.
@@ -118,25 +118,26 @@ impl Synth<f32> {
         frame: &Frame,
         work: &mut LaneWork,
     ) {
-        let pulses = frame.pulses();
-        let Instants { nodes, node_count, .. } = tile.instants;
+        let node_count = tile.instants.node_count;
         self.fill_moments(tile, pair, frame.mean_hz[pair], work);
         let mut at = None;
         for interval in 0..node_count.saturating_sub(1).max(1) {
-            let own = intervals_of(&nodes[..node_count], interval, pulses);
-            let own = [own.start, own.end].map(|end| supports.pulses().partition_point(|pulse| *pulse < end));
-            if own[0] == own[1] {
-                continue;
-            }
-            let epochs = tile.instants.epochs_between(interval);
-            if at != Some(epochs.start) {
-                at = Some(epochs.start);
-                self.amplitudes_through(tile, pair, epochs, tile.slow.at(pulses / 2), work);
-            }
-            let parts = (own[1] - own[0]).div_ceil(TOGETHER);
-            for part in 0..parts {
-                let [a, b] = [part, part + 1].map(|n| own[0] + n * (own[1] - own[0]) / parts);
-                self.fill_part_of_rows(tile, pair, (interval, a..b), (supports, shape), frame, work);
+            for Piece { pulses, epochs, middle } in tile.instants.pieces(interval) {
+                let own = [pulses.start, pulses.end]
+                    .map(|end| supports.pulses().partition_point(|pulse| *pulse < end));
+                if own[0] == own[1] {
+                    continue;
+                }
+                if at != Some((epochs.start, middle)) {
+                    at = Some((epochs.start, middle));
+                    self.amplitudes_through(tile, pair, epochs, tile.slow.at(middle), work);
+                }
+                let parts = (own[1] - own[0]).div_ceil(TOGETHER);
+                for part in 0..parts {
+                    let [a, b] = [part, part + 1].map(|n| own[0] + n * (own[1] - own[0]) / parts);
+                    let of = (interval, middle, a..b);
+                    self.fill_part_of_rows(tile, pair, of, (supports, shape), frame, work);
+                }
             }
         }
     }
@@ -145,7 +146,7 @@ impl Synth<f32> {
         &self,
         tile: &Tile,
         pair: usize,
-        (interval, own): (usize, Range<usize>),
+        (interval, of_amplitudes, own): (usize, usize, Range<usize>),
         (supports, shape): (&Supports, Shape),
         frame: &Frame,
         work: &mut LaneWork,
@@ -167,7 +168,7 @@ impl Synth<f32> {
             let least = self.variant.run(FirstCell { polynomials, time: time as f32, reach });
             rows.first.push(least);
             let shift = (-least.unwrap_or(0), 0.0);
-            emitted.push(Emitted::new(shift, [time, at - slow.at(pulses / 2)], (row, row), uneven));
+            emitted.push(Emitted::new(shift, [time, at - slow.at(of_amplitudes)], (row, row), uneven));
         }
         let Pair { factor, turned, .. } = &tile.pairs[pair];
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair) {

@@ -12,7 +12,7 @@ use crate::fidelity::sidelobe::{Binned, Candidates};
 use crate::fidelity::worst::{Cells, Sum};
 use crate::paths::block::probe::{Keep, SampledTile, Shadows};
 use crate::paths::block::{
-    EPOCH_POINTS, EPOCHS_PER_NODE, Instants, Sidelobe, SlowTime, Tier, Tiers, epochs_about, gain_instants,
+    EPOCH_POINTS, EPOCHS_PER_NODE, Instants, Sidelobe, SlowTime, Tier, Tiers, WAKE_EPOCHS, gain_instants,
     gain_step, gain_weights, nodes_within,
 };
 use crate::radar::fault::RadarError;
@@ -41,8 +41,11 @@ type Parts = [Vec<Binned>; 2];
 pub struct Probed {
     /// Pulses of the probes to the nearer end of the block.
     edges: Vec<u64>,
-    /// `[epochs from node to node - 1][probe]`.
-    close: [Vec<Parts>; EPOCHS_PER_NODE],
+    /// `[epochs from node to node][probe]`, epochs as in [`WAKE_EPOCHS`]; more than [`EPOCHS_PER_NODE`] of
+    /// wake tiles alone.
+    close: Vec<Vec<Parts>>,
+    /// Share of the facets in wake tiles.
+    wake_share: f64,
     /// `[probe]`; those of mainlobe tiles where blocks have no sidelobe tiles.
     sidelobe: Option<Vec<Parts>>,
     channels: usize,
@@ -59,20 +62,35 @@ impl Probed {
         all.map(Binned::numbers).sum()
     }
 
-    /// At every probe, with so many scattering epochs from node to node and sidelobe tiles by the threshold
-    /// of a candidate.
-    pub fn left(&self, epochs: usize, candidates: &Candidates, candidate: usize) -> Vec<InterpolationError> {
+    /// Share of the facets in wake tiles.
+    pub fn wake_share(&self) -> f64 {
+        self.wake_share
+    }
+
+    /// At every probe, with so many scattering epochs from node to node, also of wake tiles, and sidelobe
+    /// tiles by the threshold of a candidate.
+    pub fn left(
+        &self,
+        (epochs, wake_epochs): (usize, Option<usize>),
+        candidates: &Candidates,
+        candidate: usize,
+    ) -> Vec<InterpolationError> {
         if self.edges.is_empty() {
             return vec![nothing(self.channels)];
         }
-        let close = &self.close[epochs - 1];
+        let of_epochs = |epochs: usize| {
+            let place = WAKE_EPOCHS.iter().position(|own| *own == epochs).unwrap_or(0);
+            &self.close[place.min(self.close.len() - 1)]
+        };
+        let (close, wake) = (of_epochs(epochs), of_epochs(wake_epochs.unwrap_or(epochs)));
         let sidelobe = self.sidelobe.as_ref().unwrap_or(close);
         let of = |probe: usize, part: usize| {
-            let channels = close[probe][part].iter().zip(&sidelobe[probe][part]);
+            let channels = close[probe][part].iter().zip(&wake[probe][part]).zip(&sidelobe[probe][part]);
             channels
-                .map(|(close, sidelobe)| {
+                .map(|((close, wake), sidelobe)| {
                     let mut sums = [Sum::default(), Sum::default()];
                     close.join_into(candidates, candidate, false, &mut sums[0]);
+                    wake.join_wake_into(&mut sums[0]);
                     sidelobe.join_into(candidates, candidate, true, &mut sums[1]);
                     let weights = [1.0, if part == 1 { self.of_turning } else { 1.0 }];
                     let worst = sums.iter().map(|sum| sum.worst(self.share, self.deviations));
@@ -139,9 +157,14 @@ impl ErrorSampler<'_> {
         let (candidates, interval_s) = (&self.candidates, self.interval_s);
         let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
         let all = Sidelobe { below_db: f64::INFINITY, epochs: sidelobe_epochs };
-        for n in 0..=EPOCHS_PER_NODE {
-            let sidelobe = n == EPOCHS_PER_NODE;
-            let block = Instants::of_block(first, pulses, if sidelobe { 1 } else { n + 1 }, pulses);
+        let has_wakes = self.generator.has_short_waves();
+        let each = &WAKE_EPOCHS[..if has_wakes { WAKE_EPOCHS.len() } else { EPOCHS_PER_NODE }];
+        let (mut facets, mut in_wakes) = (0, 0);
+        for n in 0..=each.len() {
+            let sidelobe = n == each.len();
+            let epochs = each.get(n).copied().unwrap_or(1);
+            let block = Instants::of_block(first, pulses, epochs, pulses);
+            let of_wakes = !sidelobe && epochs > EPOCHS_PER_NODE;
             // The last time round all tiles are taken as sidelobe tiles.
             let tiers = Tiers::new(block, sidelobe.then_some(all));
             if sidelobe && tiers.sidelobe.is_none() {
@@ -149,19 +172,27 @@ impl ErrorSampler<'_> {
             }
             let instants = tiers.of(if sidelobe { Tier::Sidelobe } else { Tier::Mainlobe });
             let epochs = &instants.epochs[..instants.epoch_count];
-            let interval_of = |n: usize| {
-                let n = n.min(instants.node_count - 2);
+            let interval_of = |(n, probe): &(usize, usize)| {
+                let n = (*n).min(instants.node_count - 2);
                 let nodes = [instants.nodes[n], instants.nodes[n + 1]];
-                let from = epochs_about(epochs, nodes[0]..=nodes[1]);
-                let epochs = &epochs[from..(from + EPOCH_POINTS).min(epochs.len())];
-                Interval { at: n, epochs, from, nodes, interval_s, slow: &slow }
+                let piece = instants.pieces(n).find(|piece| piece.pulses.contains(probe));
+                let of = piece.map_or(0..epochs.len().min(EPOCH_POINTS), |piece| piece.epochs);
+                Interval { at: n, from: of.start, epochs: &epochs[of], nodes, interval_s, slow: &slow }
             };
-            let intervals: Vec<Interval<'_>> = probes.iter().map(|(n, _)| interval_of(*n)).collect();
+            let intervals: Vec<Interval<'_>> = probes.iter().map(interval_of).collect();
             let none: Parts = std::array::from_fn(|_| vec![Binned::new(candidates); channels]);
             let mut sums = vec![none; probes.len()];
             let keep = Keep { shadows: Shadows::Without, surface: n > 0 };
             self.generator.sample_tiles(&tiers, &patch, TILES, keep, tiles, |sampled| {
-                let runs = runs_of(sampled, candidates);
+                let mut runs = runs_of(sampled, candidates);
+                for ((lanes, bin), crossed) in runs.iter_mut().zip(sampled.crossed) {
+                    if *crossed {
+                        *bin = candidates.wake_bin();
+                    }
+                    facets += lanes.len();
+                    in_wakes += if *crossed { lanes.len() } else { 0 };
+                }
+                runs.retain(|(_, bin)| !of_wakes || *bin == candidates.wake_bin());
                 for (((interval, (_, probe)), truths), sum) in
                     intervals.iter().zip(&probes).zip(&truths).zip(&mut sums)
                 {
@@ -183,11 +214,13 @@ impl ErrorSampler<'_> {
                     }
                 }
             })?;
-            match found.close.get_mut(n) {
-                Some(close) => *close = sums,
-                None => found.sidelobe = Some(sums),
+            if sidelobe {
+                found.sidelobe = Some(sums);
+            } else {
+                found.close.push(sums);
             }
         }
+        found.wake_share = in_wakes as f64 / facets.max(1) as f64;
         Ok(found)
     }
 
@@ -202,6 +235,13 @@ impl ErrorSampler<'_> {
             vec![(0, within(0, 0.2).max(1)), (0, within(0, 0.4).max(1)), (last, within(last, 0.6))];
         if last > 1 {
             probes.push((1, within(1, 0.5)));
+        }
+        if self.generator.has_short_waves() {
+            // Scattering epochs of wake tiles are as close as every other pulse: an odd number from the node.
+            let odd = |n: usize, share: f64| (n, nodes[n] + ((within(n, share) - nodes[n]) | 1));
+            probes.extend([odd(0, 0.1), odd(0, 0.3), odd(last.min(1), 0.55), odd(last, 0.8)]);
+            probes.retain(|(n, pulse)| *pulse < nodes[n + 1]);
+            probes.sort_unstable();
         }
         if self.is_small() {
             let more = (0..=last).flat_map(|n| [0.2, 0.4, 0.6, 0.8].map(|share| (n, within(n, share))));

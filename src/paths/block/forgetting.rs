@@ -24,6 +24,9 @@ pub const ROOM_BYTES: usize = 64 << 20;
 pub const FACET_BYTES: usize = size_of::<[Wave; WAVES]>();
 /// Pulses from one phase in f64 to the next: turning leaves 1e-6 each.
 const LONGEST: usize = 64;
+/// Waves that turn side by side: a step waits for the one before.
+const TOGETHER: usize = 4;
+const _: () = assert!(WAVES.is_multiple_of(TOGETHER));
 
 /// The waves of a mechanism, at the keys of their facets modulo the patch.
 #[derive(Clone)]
@@ -59,7 +62,14 @@ impl Forgetting {
             })
         });
         let mut group = GroupWaves { omega_radps: [[0.0; GROUP]; WAVES], turns: [[0.0; GROUP]; WAVES] };
+        // Facets of a row follow one another: few of them are looked up.
+        let mut next: Option<([i64; 2], [usize; 2])> = None;
         for (i, &key) in keys.iter().enumerate().take(GROUP) {
+            let [column, row] = match next {
+                Some((own, place)) if own == key => place,
+                _ => [key[0].rem_euclid(nx as i64) as usize, key[1].rem_euclid(ny as i64) as usize],
+            };
+            next = Some(([key[0] + 1, key[1]], [if column + 1 < nx { column + 1 } else { 0 }, row]));
             let drawn;
             let own = match at {
                 None => {
@@ -68,8 +78,7 @@ impl Forgetting {
                 }
                 Some(at) => {
                     let held = &mut self.held[at];
-                    let place =
-                        key[1].rem_euclid(ny as i64) as usize * nx + key[0].rem_euclid(nx as i64) as usize;
+                    let place = row * nx + column;
                     if held.keys[place] != Some(key) {
                         held.keys[place] = Some(key);
                         held.waves[place] = of.waves(key, mechanism);
@@ -108,16 +117,17 @@ impl Task for SumWaves<'_> {
         out.fill([[0.0; GROUP]; 2]);
         let (to_start, to_next) = (times.first_s / TAU, times.interval_s / TAU);
         let scale = 1.0 / (WAVES as f32).sqrt();
-        let (mut at, mut next) = ([0.0f64; GROUP], [0.0f64; GROUP]);
-        let (mut turns, mut step) = ([0.0f32; GROUP], [0.0f32; GROUP]);
+        let (mut at, mut next) = ([[0.0f64; GROUP]; WAVES], [[0.0f64; GROUP]; WAVES]);
         for w in 0..WAVES {
             for i in 0..GROUP {
                 let omega_radps = waves.omega_radps[w][i];
-                (at[i], next[i]) = (omega_radps * to_start + waves.turns[w][i], omega_radps * to_next);
-                step[i] = (next[i] - next[i].floor()) as f32;
+                (at[w][i], next[w][i]) = (omega_radps * to_start + waves.turns[w][i], omega_radps * to_next);
             }
-            if !times.uneven.is_empty() {
-                // Every pulse by itself: none is a step from the one before.
+        }
+        let mut turns = [0.0f32; GROUP];
+        if !times.uneven.is_empty() {
+            // Every pulse by itself: none is a step from the one before.
+            for (at, next) in at.iter().zip(&next) {
                 for ([re, im], after) in out.iter_mut().zip(times.uneven) {
                     for i in 0..GROUP {
                         let now = at[i] + after * next[i];
@@ -129,29 +139,53 @@ impl Task for SumWaves<'_> {
                         im[i] += scale * sin[i];
                     }
                 }
-                continue;
             }
-            let [cos_step, sin_step] = phasors(&step);
+            return;
+        }
+        for (at, next) in at.as_chunks::<TOGETHER>().0.iter().zip(next.as_chunks::<TOGETHER>().0) {
+            let mut steps = [[[0.0f32; GROUP]; 2]; TOGETHER];
+            for (step, next) in steps.iter_mut().zip(next) {
+                for i in 0..GROUP {
+                    turns[i] = (next[i] - next[i].floor()) as f32;
+                }
+                *step = phasors(&turns);
+            }
             let mut before = 0;
             for out in out.chunks_mut(LONGEST) {
-                for i in 0..GROUP {
-                    let now = at[i] + before as f64 * next[i];
-                    turns[i] = (now - now.floor()) as f32;
-                }
-                let [mut cos, mut sin] = phasors(&turns);
-                for [re, im] in &mut *out {
+                let mut now = [[[0.0f32; GROUP]; 2]; TOGETHER];
+                for ((now, at), next) in now.iter_mut().zip(at).zip(next) {
                     for i in 0..GROUP {
-                        re[i] += scale * cos[i];
-                        im[i] += scale * sin[i];
-                        let turned = cos[i] * cos_step[i] - sin[i] * sin_step[i];
-                        sin[i] = cos[i] * sin_step[i] + sin[i] * cos_step[i];
-                        cos[i] = turned;
+                        let own = at[i] + before as f64 * next[i];
+                        turns[i] = (own - own.floor()) as f32;
                     }
+                    let [cos, sin] = phasors(&turns);
+                    for i in 0..GROUP {
+                        (now[0][i], now[1][i]) = (scale * cos[i], scale * sin[i]);
+                    }
+                }
+                for sum in &mut *out {
+                    add_and_turn(sum, &mut now, &steps);
                 }
                 before += out.len();
             }
         }
     }
+}
+
+/// Adds waves to a sum, and turns each by its step.
+#[inline(always)]
+fn add_and_turn(sum: &mut Phasors, now: &mut [Phasors; TOGETHER], steps: &[Phasors; TOGETHER]) {
+    let [mut re, mut im] = *sum;
+    for w in 0..TOGETHER {
+        let ([cos, sin], [cos_step, sin_step]) = (now[w], &steps[w]);
+        for i in 0..GROUP {
+            re[i] += cos[i];
+            im[i] += sin[i];
+            now[w][0][i] = cos[i] * cos_step[i] - sin[i] * sin_step[i];
+            now[w][1][i] = cos[i] * sin_step[i] + sin[i] * cos_step[i];
+        }
+    }
+    *sum = [re, im];
 }
 
 #[cfg(test)]

@@ -23,6 +23,9 @@ use crate::scattering::facets::Phases;
 use crate::scattering::lanes::{Batch, Beside};
 use crate::scene::Patch;
 
+/// Most power of a channel over that of the largest entry of a matrix: ports may be as much H as V.
+const OF_PORTS: f32 = 4.0;
+
 impl TileWork {
     /// Instants of the tile at hand.
     pub(super) fn timing(&self) -> &Timing {
@@ -43,9 +46,8 @@ impl PathGenerator {
     /// Evaluates the tile of the runs at hand: [`TileWork::tile`]. Facets that return nothing to any pair at
     /// any pulse are left out.
     pub(super) fn evaluate_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
-        work.batch.reflects = false;
         self.place(patch, work);
-        self.sight(work);
+        self.sight(sea, work);
         self.keep_illuminated(work);
         self.choose_supports(sea, work);
         if work.tile.count == 0 {
@@ -57,20 +59,22 @@ impl PathGenerator {
                 self.epoch(sea, pair, place, footprint_m2, work);
             }
             self.factors(pair, work);
-            self.turn(sea, pair, work);
         }
     }
 
     /// Paths and gains: at the few instants of a sidelobe tile first, where tiles may be in the sidelobes,
     /// and at all where this one is not.
-    fn sight(&self, work: &mut TileWork) {
+    fn sight(&self, sea: &SeaPlan, work: &mut TileWork) {
         let mut ends_known = false;
+        let mut tier = Tier::Mainlobe;
         if !work.sidelobe_below.is_empty() {
             work.choose(Tier::Sidelobe);
             for place in 0..work.timings.sidelobe.instants.node_count {
                 self.find_paths(place, work);
             }
-            if (0..self.plans.len())
+            if self.is_wake(sea, work) {
+                tier = Tier::Wake;
+            } else if (0..self.plans.len())
                 .all(|pair| self.gains(pair, work.sidelobe_below.get(pair).copied(), work))
             {
                 return;
@@ -90,10 +94,13 @@ impl PathGenerator {
             work.tile.pairs.iter_mut().for_each(|pair| pair.nodes.swap(second, last));
             ends_known = true;
         }
-        work.choose(Tier::Mainlobe);
+        work.choose(tier);
         let nodes = work.timings.mainlobe.instants.node_count;
         for place in if ends_known { 1..nodes - 1 } else { 0..nodes } {
             self.find_paths(place, work);
+        }
+        if !ends_known && self.is_wake(sea, work) {
+            work.choose(Tier::Wake);
         }
         for pair in 0..self.plans.len() {
             self.gains(pair, None, work);
@@ -372,7 +379,7 @@ impl PathGenerator {
         let (tx_axes, _) = self.axes_of(&instant.emission, tx);
         let (rx_axes, rx_change) = self.axes_of(&instant.emission, rx);
         let bases = [tx, rx].map(|antenna| self.basis_of(&instant.emission, antenna));
-        batch.count = count;
+        (batch.count, batch.reflects) = (count, 0.0);
         variant.run(Sight {
             slopes,
             strains,
@@ -414,10 +421,14 @@ impl PathGenerator {
             let (rows, weights) = (&areas[..paths.len()], &instant.weights);
             variant.run(Stretched { count, rows, weights, out: &mut scale });
         }
+        let widest = scale[..count].iter().fold(0.0, |a: f32, b| a.max(*b));
+        out.specular_w = OF_PORTS * (batch.reflects * widest).powi(2);
         self.combine(*variant, plan, (batch, view), &scale, out);
         for (end, antenna, axes, change) in [(0, tx, tx_axes, Axes::ZERO), (1, rx, rx_axes, rx_change)] {
             if !self.antennas[antenna].is_real() {
                 self.complex_gain(antenna, axes, change, end, view, out, count);
+                // By the gain at each facet, which is not asked for here.
+                out.specular_w = if batch.reflects > 0.0 { f32::INFINITY } else { 0.0 };
             }
         }
     }

@@ -10,8 +10,11 @@ pub const NODES: usize = 4;
 pub const SIDELOBE_NODES: usize = 2;
 /// Most scattering epochs from one node to the next.
 pub const EPOCHS_PER_NODE: usize = 3;
-/// Most scattering epochs of a block.
-pub const EPOCHS: usize = (NODES - 1) * EPOCHS_PER_NODE + 1;
+/// Scattering epochs from one node to the next that wake tiles may have.
+pub const WAKE_EPOCHS: [usize; 5] = [1, 2, EPOCHS_PER_NODE, 6, MOST_PER_NODE];
+const MOST_PER_NODE: usize = 8;
+/// Most scattering epochs of a block: two are added at its ends.
+pub const EPOCHS: usize = (NODES - 1) * MOST_PER_NODE + 1 + 2;
 /// Scattering epochs that a polynomial goes through.
 pub const EPOCH_POINTS: usize = 4;
 /// Gain instants that a pulse's gain is found from.
@@ -38,7 +41,8 @@ pub struct Instants {
 
 impl Instants {
     /// Those of a block: up to [`NODES`] nodes from its first to its last pulse, `epochs` from one node to
-    /// the next where there are as many pulses.
+    /// the next where there are as many pulses. Of more than [`EPOCHS_PER_NODE`] the first and the last step
+    /// of the block are halved: a cubic that ends there is worse than one in the midst of its epochs.
     pub fn of_block(first: u64, pulses: usize, epochs: usize, gain_pulses: usize) -> Self {
         let last = pulses.saturating_sub(1);
         let (nodes, node_count) = nodes_within(pulses);
@@ -46,20 +50,45 @@ impl Instants {
         let mut instants = Self { first, pulses, nodes, node_count, gain_pulses, ..Self::default() };
         for n in 0..node_count {
             let (node, next) = (nodes[n], if n + 1 < node_count { nodes[n + 1] } else { last });
-            let steps = epochs.clamp(1, EPOCHS_PER_NODE).min((next - node).max(1));
+            let steps = epochs.clamp(1, MOST_PER_NODE).min((next - node).max(1));
             for step in 0..if n + 1 < node_count { steps } else { 1 } {
-                instants.epochs[instants.epoch_count.min(EPOCHS - 1)] = node + (next - node) * step / steps;
-                instants.epoch_count += 1;
+                instants.add_epoch(node + (next - node) * step / steps);
             }
+        }
+        if epochs > EPOCHS_PER_NODE && instants.epoch_count > 1 {
+            let of = &instants.epochs[..instants.epoch_count];
+            let halves = [of[0] + of[1], of[of.len() - 2] + of[of.len() - 1]].map(|sum| sum / 2);
+            for half in halves {
+                if !instants.epochs[..instants.epoch_count].contains(&half) {
+                    instants.add_epoch(half);
+                }
+            }
+            instants.epochs[..instants.epoch_count].sort_unstable();
         }
         instants
     }
 
-    /// Scattering epochs that amplitudes between a node and the next go through, up to [`EPOCH_POINTS`].
-    pub fn epochs_between(&self, node: usize) -> Range<usize> {
+    fn add_epoch(&mut self, pulse: usize) {
+        self.epochs[self.epoch_count.min(EPOCHS - 1)] = pulse;
+        self.epoch_count += 1;
+    }
+
+    /// Pieces from a node to the next over which amplitudes are one polynomial each: all of it, or from epoch
+    /// to epoch where there are more steps than [`EPOCH_POINTS`] epochs have between them.
+    pub fn pieces(&self, node: usize) -> impl Iterator<Item = Piece> {
+        let epochs = &self.epochs[..self.epoch_count];
         let [from, to] = [node, node + 1].map(|n| self.nodes[n.min(self.node_count.saturating_sub(1))]);
-        let first = epochs_about(&self.epochs[..self.epoch_count], from..=to);
-        first..self.epoch_count.min(first + EPOCH_POINTS)
+        let end = if node + 2 >= self.node_count { self.pulses } else { to };
+        let first = epochs.partition_point(|epoch| *epoch < from);
+        let steps = epochs.partition_point(|epoch| *epoch <= to).saturating_sub(first + 1);
+        let pieces = if steps < EPOCH_POINTS { 1 } else { steps };
+        (0..pieces).map(move |n| {
+            let [a, b] = if pieces == 1 { [from, to] } else { [epochs[first + n], epochs[first + n + 1]] };
+            let first = epochs_about(epochs, a..=b);
+            let middle = if pieces == 1 { self.pulses / 2 } else { (a + b) / 2 };
+            let pulses = a..if n + 1 == pieces { end } else { b };
+            Piece { pulses, epochs: first..epochs.len().min(first + EPOCH_POINTS), middle }
+        })
     }
 
     /// Those of the sidelobe tiles of such a block: nodes at both ends, some scattering epochs (2 at least)
@@ -79,6 +108,17 @@ impl Instants {
     }
 }
 
+/// Pulses over which amplitudes are one polynomial.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Piece {
+    /// The pulses.
+    pub pulses: Range<usize>,
+    /// Places of the scattering epochs that it goes through, up to [`EPOCH_POINTS`].
+    pub epochs: Range<usize>,
+    /// The pulse from which its powers count.
+    pub middle: usize,
+}
+
 /// How often a tile is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -88,6 +128,8 @@ pub enum Tier {
     Mainlobe,
     /// At few: no antenna pair has more than a side lobe for it.
     Sidelobe,
+    /// At all, and at more scattering epochs: short waves of a ship may cross it.
+    Wake,
 }
 
 /// Which tiles are in the sidelobes, and how they are evaluated.
@@ -109,6 +151,8 @@ pub struct Tiers {
     pub sidelobe: Option<Instants>,
     /// Two-way gain of every pair over its peak below which they are, dB.
     pub below_db: f64,
+    /// Of wake tiles, if there may be any.
+    pub wake: Option<Instants>,
     /// Share of its power that a tile may lack for being evaluated at its supports alone; `None`: at every
     /// pulse.
     pub between: Option<f64>,
@@ -129,16 +173,33 @@ impl Tiers {
             mainlobe,
             sidelobe: sidelobe.and_then(|sidelobe| mainlobe.sidelobe(sidelobe.epochs)),
             below_db,
+            wake: None,
             between: None,
         }
     }
 
+    /// The same with so many scattering epochs from node to node of wake tiles.
+    pub fn with_wake(self, epochs: Option<usize>) -> Self {
+        let Instants { first, pulses, gain_pulses, .. } = self.mainlobe;
+        Self { wake: epochs.map(|epochs| Instants::of_block(first, pulses, epochs, gain_pulses)), ..self }
+    }
+
+    /// Most scattering epochs of a tile.
+    pub fn epochs(&self) -> usize {
+        [Tier::Mainlobe, Tier::Sidelobe, Tier::Wake]
+            .map(|tier| self.of(tier).epoch_count)
+            .into_iter()
+            .fold(0, usize::max)
+    }
+
     /// Those of a tier.
     pub fn of(&self, tier: Tier) -> &Instants {
-        match (tier, &self.sidelobe) {
-            (Tier::Sidelobe, Some(sidelobe)) => sidelobe,
-            _ => &self.mainlobe,
-        }
+        let own = match tier {
+            Tier::Mainlobe => None,
+            Tier::Sidelobe => self.sidelobe.as_ref(),
+            Tier::Wake => self.wake.as_ref(),
+        };
+        own.unwrap_or(&self.mainlobe)
     }
 }
 
@@ -231,6 +292,41 @@ mod tests {
         let thrice = block.sidelobe(3).unwrap();
         assert_eq!(&thrice.epochs[..thrice.epoch_count], [0, 18, 36]);
         assert_eq!([1, 2, 3, 4, 6].map(sidelobe_gain_pulses), [1, 3, 4, 6, 9]);
+    }
+
+    /// Pieces cover every pulse once, and have their epochs about them; those of wake tiles go from epoch to
+    /// epoch.
+    #[test]
+    fn pieces_of_amplitudes() {
+        for (pulses, epochs) in [(49, 1), (49, 2), (49, 3), (49, 6), (37, 8), (22, 8), (7, 8), (3, 8), (1, 1)]
+        {
+            let block = Instants::of_block(5, pulses, epochs, 4);
+            let own = &block.epochs[..block.epoch_count];
+            assert!(own.is_sorted_by(|a, b| a < b) && own[0] == 0 && own[own.len() - 1] == pulses - 1);
+            assert!(block.nodes[..block.node_count].iter().all(|node| own.contains(node)));
+            let mut next = 0;
+            for node in 0..block.node_count.saturating_sub(1).max(1) {
+                let pieces: Vec<Piece> = block.pieces(node).collect();
+                assert!(epochs > EPOCHS_PER_NODE || pieces.len() == 1, "{pulses} {epochs}");
+                for piece in pieces {
+                    assert_eq!(piece.pulses.start, next, "{pulses} {epochs}");
+                    next = piece.pulses.end;
+                    let of = &own[piece.epochs.clone()];
+                    assert_eq!(of.len(), EPOCH_POINTS.min(own.len()));
+                    assert!(of[0] <= piece.pulses.start && piece.pulses.end - 1 <= of[of.len() - 1]);
+                }
+            }
+            assert_eq!(next, pulses, "{pulses} {epochs}");
+        }
+        // The first and the last step of wake tiles are halved.
+        let wake = Instants::of_block(0, 49, 8, 4);
+        assert_eq!((wake.epoch_count, &wake.epochs[..4], wake.epochs[25]), (27, &[0, 1, 2, 4][..], 47));
+        let tiers = Tiers::new(Instants::of_block(0, 49, 1, 4), None).with_wake(Some(8));
+        assert_eq!(
+            (tiers.of(Tier::Wake), tiers.of(Tier::Mainlobe).epoch_count, tiers.epochs()),
+            (&wake, 4, 27)
+        );
+        assert_eq!(tiers.with_wake(None).of(Tier::Wake), &tiers.mainlobe);
     }
 
     #[test]

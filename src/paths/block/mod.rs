@@ -12,10 +12,12 @@
 //! | visibility | updates of the shadows | linear, here, as everywhere |
 //! | facet turned towards both antennas? | every pulse | the cosine's cubic, here |
 //!
-//! That is for **mainlobe** tiles. A **sidelobe** tile, whose two-way gain stays below what is given
-//! for every pair ([`Tiers`]), has nodes at both ends of the block alone, two to four
-//! scattering epochs from end to end through which amplitudes and cosines are polynomials, and instants of
-//! gain [`sidelobe_gain_pulses`] apart; directions and slopes are straight lines between the ends.
+//! That is for **mainlobe** tiles. A **wake** tile, which short waves of a ship may cross, has more
+//! scattering epochs between nodes ([`WAKE_EPOCHS`]), and from each to the next a cubic of its own. A
+//! **sidelobe** tile, whose two-way gain stays below what is given for every pair ([`Tiers`]), has nodes at
+//! both ends of the block alone, two to four scattering epochs from end to end through which amplitudes and
+//! cosines are polynomials, and instants of gain [`sidelobe_gain_pulses`] apart; directions and slopes are
+//! straight lines between the ends.
 //!
 //! So a [`Tile`] has, per pair, delays and rates at the nodes, amplitudes at the scattering epochs, and one
 //! **factor** per pulse. The equations are those of the exact scatterer paths of [`super`]; a facet is a lane
@@ -34,7 +36,7 @@
 //! | run | up to 16 facets of a row, one after the other in memory ([`runs`]); elsewhere that of the program |
 //! | place | index: of a facet in its tile, of a node in a block, of a path on the delay grid (in cells) |
 //! | share | a fraction; in `echo::synth::grid` the pulses of a block that one thread takes |
-//! | tier | mainlobe or sidelobe tile |
+//! | tier | mainlobe, sidelobe or wake tile |
 //! | part, mechanism | the Bragg or the specular part of the scattering, each turned by a phasor of its own |
 //! | bin | a frequency of a transform |
 
@@ -55,6 +57,7 @@ mod supports;
 mod tile;
 mod timing;
 mod travelling;
+mod wake;
 
 use std::sync::Arc;
 
@@ -77,8 +80,9 @@ use forgetting::Forgetting;
 pub use forgetting::{FACET_BYTES as FORGETTING_BYTES, ROOM_BYTES as FORGETTING_ROOM_BYTES};
 pub(in crate::paths) use gain::Sight;
 pub use instants::{
-    EPOCH_POINTS, EPOCHS, EPOCHS_PER_NODE, GAIN_POINTS, Instants, NODES, SIDELOBE_NODES, Sidelobe, Tier,
-    Tiers, epochs_about, gain_instants, gain_step, gain_weights, nodes_within, sidelobe_gain_pulses,
+    EPOCH_POINTS, EPOCHS, EPOCHS_PER_NODE, GAIN_POINTS, Instants, NODES, Piece, SIDELOBE_NODES, Sidelobe,
+    Tier, Tiers, WAKE_EPOCHS, epochs_about, gain_instants, gain_step, gain_weights, nodes_within,
+    sidelobe_gain_pulses,
 };
 pub use panels::PanelWork;
 use phasors::Phasors;
@@ -87,6 +91,7 @@ use shadows::{Heights, Maker, ShadowWeights};
 pub use slow_time::SlowTime;
 use supports::SupportSets;
 pub use supports::{Supports, TAPS};
+use tile::compact;
 pub use tile::{Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of, layers_of};
 use timing::Timings;
 use travelling::Part;
@@ -125,6 +130,8 @@ pub struct TileWork {
     timings: Timings,
     /// Per pair: product of the gains of field below which a tile is in the sidelobes; empty where none is.
     sidelobe_below: Vec<f32>,
+    /// Whether tiles that short waves of ships may cross have scattering epochs of their own.
+    wakes: bool,
     /// Facets of the tile at hand.
     runs: Vec<Run>,
     shadow_updates: Vec<ShadowWeights>,
@@ -222,6 +229,8 @@ impl PathGenerator {
         self.hearing_in(first + (instants.pulses / 2) as u64, hearing)?;
         let mut facets = 0;
         work.part = Part::Still;
+        // Runs of a sample lie too far apart for that.
+        let wakes = std::mem::take(&mut work.wakes);
         for runs in Cut::of(patch.facets).sample(SAMPLED) {
             facets += work.take(runs);
             self.evaluate_tile(sea, patch, work);
@@ -229,6 +238,7 @@ impl PathGenerator {
                 pair.add_to(sample, work.tile.count, |delay_s| hearing.share(number, delay_s));
             }
         }
+        work.wakes = wakes;
         for sample in samples {
             if sample.received_power_w > 0.0 {
                 sample.mean_rate /= sample.received_power_w;
@@ -260,11 +270,13 @@ impl PathGenerator {
             while let Some(own) = part {
                 work.part = own;
                 self.evaluate_tile(sea, patch, work);
-                part = sea.part_after(own, work.batch.reflects);
+                part = sea.part_after(own, || work.tile.reflects((samples, least)));
                 if work.tile.tier == Tier::Sidelobe {
                     tally.sidelobe += facets;
                 }
-                work.tile.thin_out(work.variant, samples, least, tally);
+                work.thin_out((samples, least), tally);
+                // What is left out need not be turned.
+                (0..self.plans.len()).for_each(|pair| self.turn(sea, pair, work));
                 costs.lap(Stage::ScattererPaths);
                 if work.tile.count > 0 {
                     each(&work.tile);
@@ -315,6 +327,7 @@ impl SeaPlan {
             nodes: vec![node; NODES],
             timings: Timings::default(),
             sidelobe_below: Vec::with_capacity(channels.len()),
+            wakes: false,
             runs: Vec::with_capacity(LANES),
             view: View::boxed(),
             shadow_updates: Vec::new(),
@@ -372,6 +385,18 @@ impl TileWork {
         self.runs.iter().map(|run| run.count).sum()
     }
 
+    /// Leaves out facets of the tile that add nothing to the echo.
+    fn thin_out(&mut self, samples: (&[Sample], f64), tally: &mut Tally) {
+        let Self { variant, tile, kept, keys, land, .. } = self;
+        if tile.thin_out(*variant, samples, tally, kept) {
+            compact(keys, kept);
+            if land.count > 0 {
+                land.rows_mut().for_each(|row| compact(row, kept));
+                land.land[kept.len()..].fill(0.0);
+            }
+        }
+    }
+
     /// Emissions of nodes, scattering epochs and gain instants, and the weights of interpolation.
     fn time(&mut self, of: &PathGenerator, tiers: &Tiers) -> Result<(), RadarError> {
         let mainlobe = &tiers.mainlobe;
@@ -397,17 +422,17 @@ impl TileWork {
             let share = 10f64.powf(tiers.below_db / 20.0);
             self.sidelobe_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
         }
-        let Timings { mainlobe: at_mainlobe, sidelobe: at_sidelobe } = &self.timings;
+        self.wakes = tiers.wake.is_some();
+        if let Some(wake) = &tiers.wake {
+            self.timings.wake.set(of, wake, places, &self.tile.slow)?;
+        }
+        let Timings { mainlobe: at_mainlobe, sidelobe: at_sidelobe, .. } = &self.timings;
         let instants_of_gain = at_mainlobe.gain_places.len().max(at_sidelobe.gain_places.len());
         for rows in &mut self.gain_rows {
             rows.resize(instants_of_gain.max(rows.len()), [0.0; LANES]);
         }
         for pair in &mut self.tile.pairs {
-            pair.resize(
-                places.len(),
-                mainlobe.epoch_count.max(tiers.of(Tier::Sidelobe).epoch_count),
-                mainlobe.pulses,
-            );
+            pair.resize(places.len(), tiers.epochs(), mainlobe.pulses);
         }
         Ok(())
     }

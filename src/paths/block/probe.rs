@@ -27,6 +27,8 @@ pub struct SampledTile<'a> {
     /// For every run, what of its peak the two-way gain of field of any pair has at most, at the gain
     /// instants.
     pub shares: &'a [f32],
+    /// For every run, whether tiles with it are wake tiles.
+    pub crossed: &'a [bool],
     /// Nodes, scattering epochs, factors.
     pub of: &'a Pair,
     /// Product of the gains, at every gain instant.
@@ -115,7 +117,7 @@ impl PathGenerator {
         let held = work.shares.first().copied().unwrap_or_default();
         work.shares.clear();
         work.shares.resize(instants.pulses, held);
-        let mut shares = Vec::new();
+        let (mut shares, mut crossed) = (Vec::new(), Vec::new());
         let peaks: Vec<f64> = (0..self.plans.len()).map(|pair| self.peak_gain(pair)).collect();
         for (place, runs) in Cut::of(patch.facets).sample(tiles).enumerate() {
             work.take(runs);
@@ -124,11 +126,19 @@ impl PathGenerator {
             self.evaluate_tile(sea, patch, work);
             work.whole = false;
             work.shares_of_runs(&peaks, &mut shares);
+            crossed.clear();
+            let mut at = 0;
+            for run in &work.runs {
+                let lanes = at..at + run.count;
+                at = lanes.end;
+                crossed.push(sea.scattering.has_short_waves() && self.are_crossed(sea, work, lanes));
+            }
             for pair in 0..self.plans.len() {
                 let TileWork { gain_rows, runs, tile, .. } = &*work;
                 let of = &tile.pairs[pair];
                 let gains = &gain_rows[pair][..work.timing().gain_places.len()];
-                each(&SampledTile { tile: place, pair, count: tile.count, runs, shares: &shares, of, gains });
+                let (shares, crossed, count) = (&shares, &crossed, tile.count);
+                each(&SampledTile { tile: place, pair, count, runs, shares, crossed, of, gains });
             }
         }
         Ok(())

@@ -71,6 +71,8 @@ pub struct Epoch {
     pub layers: Vec<Layer>,
     /// Largest power of any channel, W.
     pub(super) power: Row,
+    /// Bound on the power of the specular points of any facet, also where they are another part, W.
+    pub(super) specular_w: f32,
     /// Cosines of the local angles to both antennas.
     pub cosine: [Row; 2],
 }
@@ -78,7 +80,7 @@ pub struct Epoch {
 impl Epoch {
     fn new(layers: &[Vec<usize>]) -> Self {
         let layers = layers.iter().map(|channels| Layer::new(channels.clone())).collect();
-        Self { layers, power: [0.0; LANES], cosine: [[0.0; LANES]; 2] }
+        Self { layers, power: [0.0; LANES], specular_w: 0.0, cosine: [[0.0; LANES]; 2] }
     }
 
     fn channels(&self) -> usize {
@@ -278,17 +280,34 @@ impl Pair {
         }
     }
 
+    /// A bound on the power of the specular points of any of the first facets at any pulse.
+    fn specular_w(&self, count: usize) -> f32 {
+        let of_epochs = self.epochs().iter().fold(0.0, |most: f32, epoch| most.max(epoch.specular_w));
+        if of_epochs == 0.0 {
+            return 0.0;
+        }
+        let mut most = [0.0f32; LANES];
+        for row in &self.factor {
+            for i in 0..lanes_for(count) {
+                most[i] = most[i].max(row[i].abs());
+            }
+        }
+        let factor = most[..count].iter().fold(0.0, |a: f32, b| a.max(*b));
+        of_epochs * factor * factor
+    }
+
     fn keep(&mut self, kept: &[u16]) {
         for node in &mut self.nodes[..self.node_count] {
-            // What the echo reads; the rest stays where it was.
-            compact(&mut node.paths.delay_s, kept);
-            compact(&mut node.paths.delay_rate, kept);
+            // What the echo reads, and what turns facets; the rest stays where it was.
+            let Paths { delay_s, delay_rate, incident, scattered, .. } = &mut *node.paths;
+            compact(delay_s, kept);
+            compact(delay_rate, kept);
+            incident.iter_mut().chain(scattered).for_each(|row| compact(row, kept));
         }
         for epoch in &mut self.epochs[..self.epoch_count] {
             epoch.layers.iter_mut().for_each(|layer| layer.keep(kept));
         }
         self.factor.iter_mut().for_each(|row| compact(row, kept));
-        self.turned.as_flattened_mut().iter_mut().for_each(|row| compact(row, kept));
     }
 }
 
@@ -342,13 +361,28 @@ impl Tile {
         }
     }
 
+    /// Whether any specular points may count, where facets below `least` of the power of a sample do not.
+    pub(super) fn reflects(&self, (samples, least): (&[Sample], f64)) -> bool {
+        let of = |(pair, sample): (&Pair, &Sample)| {
+            pair.specular_w(self.count) > (least * sample.received_power_w) as f32
+        };
+        self.pairs.iter().zip(samples).any(of)
+    }
+
     /// The pulses at which it was evaluated, where these are not all.
     pub fn supports(&self) -> Option<&Supports> {
         self.supports.chosen()
     }
 
-    /// Leaves out facets that add nothing to the echo.
-    pub(super) fn thin_out(&mut self, variant: Variant, samples: &[Sample], least: f64, tally: &mut Tally) {
+    /// Leaves out facets that add nothing to the echo; shows which are kept, and says whether these have
+    /// moved.
+    pub(super) fn thin_out(
+        &mut self,
+        variant: Variant,
+        (samples, least): (&[Sample], f64),
+        tally: &mut Tally,
+        kept: &mut Vec<u16>,
+    ) -> bool {
         let mut wanted = [false; LANES];
         let mut illuminated = [false; LANES];
         let mut bound = [0.0; LANES];
@@ -360,24 +394,19 @@ impl Tile {
                 wanted[i] |= bound[i] > least_w;
             }
         }
-        let mut kept = [0u16; LANES];
-        let mut count = 0;
+        kept.clear();
+        kept.extend((0..self.count as u16).filter(|i| wanted[usize::from(*i)]));
+        let count = kept.len();
         let all_illuminated = illuminated[..self.count].iter().filter(|illuminated| **illuminated).count();
         tally.illuminated += all_illuminated as u64;
-        for i in 0..self.count {
-            if wanted[i] {
-                kept[count] = i as u16;
-                count += 1;
-            }
-        }
         // Moving those that stay takes as long as spreading some of the others.
-        if self.count - count > self.count / FEW {
+        let moves = self.count - count > self.count / FEW;
+        if moves {
             tally.culled += all_illuminated.saturating_sub(count) as u64;
-            for pair in &mut self.pairs {
-                pair.keep(&kept[..count]);
-            }
+            self.pairs.iter_mut().for_each(|pair| pair.keep(kept));
             self.count = count;
         }
+        moves
     }
 }
 
@@ -418,8 +447,10 @@ mod tests {
                 pairs,
             };
             let mut tally = Tally::default();
-            tile.thin_out(Variant::fastest(), &[Sample::default()], 0.0, &mut tally);
+            let (samples, mut shown) = ([Sample::default()], Vec::new());
+            assert!(tile.thin_out(Variant::fastest(), (&samples, 0.0), &mut tally, &mut shown));
             let kept: Vec<usize> = (0..250usize).filter(|i| i.is_multiple_of(3)).collect();
+            assert!(shown.iter().map(|i| usize::from(*i)).eq(kept.iter().copied()));
             assert_eq!((tile.count, tally.illuminated, tally.culled), (kept.len(), 84, 0), "{channels}");
             let pair = &tile.pairs[0];
             let rows = pair.epochs()[0].rows();

@@ -25,11 +25,12 @@ pub(super) struct Timing {
     pub cosines: Vec<(usize, [f32; EPOCH_POINTS])>,
 }
 
-/// Those of both tiers.
+/// Those of all tiers.
 #[derive(Clone, Default)]
 pub(super) struct Timings {
     pub mainlobe: Timing,
     pub sidelobe: Timing,
+    pub wake: Timing,
 }
 
 #[derive(Clone)]
@@ -52,6 +53,7 @@ impl Timings {
         match tier {
             Tier::Mainlobe => &self.mainlobe,
             Tier::Sidelobe => &self.sidelobe,
+            Tier::Wake => &self.wake,
         }
     }
 }

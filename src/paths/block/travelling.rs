@@ -4,8 +4,8 @@
 //! Amplitudes at the scattering epochs have the phases of facets at rest, and are as slow as those of waves
 //! that are frozen; phasors turn faster than epochs lie, and are found at every pulse
 //! ([`crate::scattering::bragg::block`]). Specular points turn by a phasor of their own: a tile that has any
-//! ([`Batch::reflects`]) is handed over twice, its Bragg waves and its specular points. Each tile knows by
-//! itself: of a wide patch only the few below an antenna may have them, and return most of the echo.
+//! that count ([`Batch::reflects`]) is handed over twice, its Bragg waves and its specular points. Each tile
+//! knows by itself: of a wide patch only the few below an antenna may have them, and return most of the echo.
 
 use super::TileWork;
 use super::forgetting::SumWaves;
@@ -69,15 +69,15 @@ impl SeaPlan {
         }
     }
 
-    /// What else there is of a tile, which had specular points or not.
-    pub(super) fn part_after(&self, part: Part, reflects: bool) -> Option<Part> {
+    /// What else there is of a tile, which has specular points that count or not.
+    pub(super) fn part_after(&self, part: Part, reflects: impl FnOnce() -> bool) -> Option<Part> {
         match part {
-            Part::Bragg if reflects => Some(Part::Specular),
-            Part::Still | Part::Bragg | Part::Specular | Part::Forgetting(0) => None,
+            Part::Bragg => reflects().then_some(Part::Specular),
+            Part::Still | Part::Specular | Part::Forgetting(0) => None,
             Part::Forgetting(own) if own + 1 < self.scattering.mechanisms() => {
                 Some(Part::Forgetting(own + 1))
             }
-            Part::Forgetting(_) => reflects.then_some(Part::Forgetting(0)),
+            Part::Forgetting(_) => reflects().then_some(Part::Forgetting(0)),
         }
     }
 
@@ -91,7 +91,7 @@ impl PathGenerator {
     /// How often a tile without specular points is handed over.
     pub fn parts_of_tiles(&self) -> usize {
         self.sea.as_ref().map_or(1, |sea| {
-            std::iter::successors(Some(sea.first_part()), |part| sea.part_after(*part, false)).count()
+            std::iter::successors(Some(sea.first_part()), |part| sea.part_after(*part, || false)).count()
         })
     }
 

@@ -34,7 +34,7 @@ use crate::echo::synth::lanes::LaneWork;
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::fidelity::echo_settings::{EchoSettings, block_pulses};
 use crate::paths::block::{
-    Borders, Instants, NODES, PanelWork, Sample, ShareBorders, Sidelobe, Tier, Tiers, TileWork, nodes_within,
+    Borders, Instants, NODES, PanelWork, Sample, ShareBorders, Sidelobe, Tiers, TileWork, nodes_within,
 };
 use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Received, Workspace};
@@ -72,6 +72,8 @@ pub(crate) struct BlockEcho {
     /// Pulses from node to node of panels of ships.
     panel_pulses: usize,
     epochs_per_node: usize,
+    /// The same of wake tiles, if there may be any.
+    wake_epochs: Option<usize>,
     sidelobe: Option<Sidelobe>,
     /// What a tile may lack at its supports alone.
     between: Option<f64>,
@@ -183,6 +185,7 @@ impl BlockEcho {
             gain_pulses,
             panel_pulses: usize::try_from(chosen.panel_pulses.unwrap_or(1)).unwrap_or(1).clamp(1, MAX_PULSES),
             epochs_per_node: chosen.epochs_per_node,
+            wake_epochs: chosen.wake_epochs,
             sidelobe: chosen.sidelobe,
             between: chosen.between,
             least_power: chosen.least_power,
@@ -385,7 +388,7 @@ impl BlockEcho {
     ) -> Result<usize, PulseError> {
         let (from, count) = (emissions.start, (emissions.end - emissions.start) as usize);
         let instants = Instants::of_block(from, count, self.epochs_per_node, self.gain_pulses);
-        work.tiers = Tiers::new(instants, self.sidelobe);
+        work.tiers = Tiers::new(instants, self.sidelobe).with_wake(self.wake_epochs);
         // Supports know no emissions but the own ones of windows.
         let aligned = work.received.is_alone() && self.synth.windows_align(&work.windows_s);
         work.tiers.between = self.between.filter(|_| aligned);
@@ -430,9 +433,8 @@ impl BlockEcho {
         }
         let mut spread = 0;
         if let (Some(patch), Some(tiles)) = (&patch, tiles) {
-            let epochs = [Tier::Mainlobe, Tier::Sidelobe].map(|tier| tiers.of(tier).epoch_count);
             let room = count.max(frame.receives.len());
-            self.synth.make_room(epochs[0].max(epochs[1]), room, lanes);
+            self.synth.make_room(tiers.epochs(), room, lanes);
             let tally =
                 generator.visit_tiles(patch, samples, self.least_power, tiles, &mut memory.costs, |tile| {
                     self.synth.spread_tile(tile, frame, lanes, grids);

@@ -24,7 +24,9 @@ impl Batch {
         if !self.specular_weights(water, kind) {
             return;
         }
-        self.reflects = true;
+        for weight in &self.gain[..lanes_for(self.count)] {
+            self.reflects = self.reflects.max(*weight);
+        }
         // Specular facets are few: whole groups are passed over.
         for first in (0..lanes_for(self.count)).step_by(GROUP) {
             if self.gain[first..first + GROUP].iter().any(|gain| *gain > 0.0) {

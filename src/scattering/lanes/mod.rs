@@ -71,8 +71,9 @@ pub struct Batch {
     pub phasor: Vec<[Row; 2]>,
     /// Cosines of the local angles to both antennas.
     pub cosine: [Row; 2],
-    /// Whether any facet had specular points since this was unset.
-    pub reflects: bool,
+    /// Largest amplitude of the specular points of a facet since this was 0, per square root of facet area,
+    /// were they to reflect all.
+    pub reflects: f32,
     /// `[receive][transmit]`, per square root of facet area: real and imaginary.
     pub matrix: [[[Row; 2]; 2]; 2],
     normal: Vectors,
@@ -105,7 +106,7 @@ impl Batch {
             receive: [vectors; 2],
             phasor: vec![[row; 2]; mechanisms],
             cosine: [row; 2],
-            reflects: false,
+            reflects: 0.0,
             matrix: [[[row; 2]; 2]; 2],
             normal: vectors,
             axes: [vectors; 2],

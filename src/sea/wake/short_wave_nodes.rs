@@ -66,6 +66,9 @@ const INTERVALS: f64 = 2048.0;
 const COARSEST: f64 = 1.0;
 /// By how much more than the reach of full waves an image is to be away.
 const CLEARANCE: f64 = 1.25;
+/// Distances of a place from a ray beyond which waves of all rays cancel there, in deviations and in Fresnel
+/// widths: at six deviations the transform of a Gaussian window has fallen to `exp(-18)`.
+const SEEN_REACH: [f64; 2] = [6.0, 4.0];
 /// Share of the waves that scatter up to which waves of t below [`LEAST_SHORT`] are left out.
 const UNSEEN: f64 = 1e-5;
 
@@ -212,6 +215,9 @@ impl ShortWaveNodes {
         let long = range[0] < LEAST_SHORT && !self.is_short(wave[0].hypot(wave[1]));
         let shortened = if long { range } else { [range[0].max(LEAST_SHORT), range[1]] };
         let Some([from, to]) = waves.rays(x_m, y_m, shortened) else { return Complex64::ZERO };
+        if !long && waves.rays_within(x_m, y_m, shortened, SEEN_REACH).is_none() {
+            return Complex64::ZERO;
+        }
         let off_m = |t: f64| {
             let c = t / (1.0 + 2.0 * t * t);
             [(y_m - c * x_m).abs(), c * waves.half_m]

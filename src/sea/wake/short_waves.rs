@@ -322,15 +322,30 @@ impl ShortWaves {
     /// are. The Fresnel width is the root of the rate at which rays of successive wave numbers part,
     /// `|dy/dky|` (of short waves; near the cusp a bound).
     pub(super) fn reach_m(&self, x_m: f64, t: f64) -> [f64; 2] {
-        let bend = 1.0 + 2.0 * t * t;
-        let fresnel_m = (x_m.max(0.0) * (1.0 + t * t).sqrt() / self.k0_radpm).sqrt() / bend;
+        let fresnel_m = self.fresnel_m(x_m, t);
         PLACE_REACH.map(|[deviations, widths]| deviations * self.place_m + widths * fresnel_m)
     }
 
+    fn fresnel_m(&self, x_m: f64, t: f64) -> f64 {
+        (x_m.max(0.0) * (1.0 + t * t).sqrt() / self.k0_radpm).sqrt() / (1.0 + 2.0 * t * t)
+    }
+
     /// Range of t whose rays pass near a place, from anywhere on the hull, within another.
-    pub(super) fn rays(&self, x_m: f64, y_m: f64, [from, to]: [f64; 2]) -> Option<[f64; 2]> {
+    pub(super) fn rays(&self, x_m: f64, y_m: f64, range: [f64; 2]) -> Option<[f64; 2]> {
+        self.rays_within(x_m, y_m, range, PLACE_REACH[1])
+    }
+
+    /// The same of rays within so many deviations and Fresnel widths.
+    pub(super) fn rays_within(
+        &self,
+        x_m: f64,
+        y_m: f64,
+        [from, to]: [f64; 2],
+        [deviations, widths]: [f64; 2],
+    ) -> Option<[f64; 2]> {
         // Rays of larger t lie nearer to the track, and closer to each other.
-        let reach_m = SLANT * self.reach_m(x_m, from.max(LEAST_SHORT))[1];
+        let fresnel_m = self.fresnel_m(x_m, from.max(LEAST_SHORT));
+        let reach_m = SLANT * (deviations * self.place_m + widths * fresnel_m);
         let inner = (y_m - reach_m) / (x_m + self.half_m);
         let outer = if x_m > self.half_m { (y_m + reach_m) / (x_m - self.half_m) } else { STEEPEST_RAY };
         if inner > STEEPEST_RAY || outer <= 0.0 {
