@@ -69,6 +69,9 @@ pub fn settings(chosen: Option<&EchoSettings>) -> Map<String, Value> {
         Doppler::Taylor => "taylor",
     };
     set("doppler", json!(doppler));
+    if chosen.fine_surface {
+        set("surface", json!("f64"));
+    }
     set("precision", json!(if chosen.precision == Precision::Double { "f64" } else { "f32" }));
     map
 }

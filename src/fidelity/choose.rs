@@ -8,7 +8,7 @@
 //! leaves [`PANELS_DB`] below it: the price of a panel falls with that distance, what is left rises with its
 //! eighth power.
 
-use super::budget::{Budget, PANELS_DB, Plan};
+use super::budget::{Budget, PANELS_DB, Plan, may_have_fine_surface};
 use std::sync::Arc;
 
 use super::cost::Size;
@@ -52,11 +52,12 @@ pub struct Chooser<'a> {
     gain_steps: Vec<u64>,
 }
 
-/// What is asked that a sample depends on: sidelobe threshold, pulses of gains and of panels.
-type Given = (Option<f64>, [Option<u64>; 2]);
+/// What is asked that a sample depends on: sidelobe threshold, pulses of gains and of panels, precision of the
+/// surface.
+type Given = (Option<f64>, [Option<u64>; 2], bool);
 
-fn given(asked: &Asked) -> Given {
-    (asked.sidelobe_db, [asked.gain_pulses, asked.panel_pulses])
+fn given(asked: &Asked, fine_surface: bool) -> Given {
+    (asked.sidelobe_db, [asked.gain_pulses, asked.panel_pulses], fine_surface)
 }
 
 impl<'a> Chooser<'a> {
@@ -70,18 +71,33 @@ impl<'a> Chooser<'a> {
         waveform: &'a Arc<dyn Waveform>,
         asked: &Asked,
     ) -> Result<Self, PlanError> {
+        Self::with_surface(scene, generator, waveform, asked, false)
+    }
+
+    fn with_surface(
+        scene: &'a Scene,
+        generator: &'a PathGenerator,
+        waveform: &'a Arc<dyn Waveform>,
+        asked: &Asked,
+        fine_surface: bool,
+    ) -> Result<Self, PlanError> {
         // Steps that are given need not be whole units.
         let whole = asked.gain_pulses.or(asked.panel_pulses).is_none() && generator.range_ratio()? <= UNEVEN;
         let unit = if whole { unit_of(&scene.radar, scene.pulses) } else { 1 };
         let of_run = (scene.pulses, unit);
-        let mut sampler =
-            ErrorSampler::new(generator, &scene.radar, waveform.as_ref(), of_run, asked.sidelobe_db)?;
+        let mut sampler = ErrorSampler::new(
+            generator,
+            &scene.radar,
+            waveform.as_ref(),
+            of_run,
+            (asked.sidelobe_db, fine_surface),
+        )?;
         // No interpolation knows of a jump, and probes may miss it.
         let free = |steps: &[u64]| if generator.aim_jumps() { vec![1] } else { in_units(steps, unit, 1) };
         let gain_steps = asked.gain_pulses.map_or_else(|| free(&GAIN_PULSES), |pulses| vec![pulses]);
         let panel_steps = asked.panel_pulses.map_or_else(|| free(&PANEL_PULSES), |pulses| vec![pulses]);
         sampler.follow_points(&gain_steps, &panel_steps)?;
-        Ok(Self { scene, generator, waveform, sampler, given: given(asked), gain_steps })
+        Ok(Self { scene, generator, waveform, sampler, given: given(asked, fine_surface), gain_steps })
     }
 
     /// Chooses what is not given.
@@ -89,10 +105,23 @@ impl<'a> Chooser<'a> {
     /// # Errors
     /// A scene whose tracks end early, or that the fast echo cannot make.
     pub fn choose(&mut self, asked: &Asked) -> Result<Plan, PlanError> {
-        if given(asked) == self.given {
+        let plan = self.choose_by(asked, false)?;
+        // Where heights in f32 keep no nodes: those in f64 may.
+        if plan.chosen.node_pulses > 1 || !may_have_fine_surface(asked) || !self.sampler.interpolates() {
+            return Ok(plan);
+        }
+        let fine = self.choose_by(asked, true)?;
+        let is_better = fine.keeps() && fine.chosen.node_pulses > 1;
+        Ok(if is_better { fine } else { plan })
+    }
+
+    fn choose_by(&mut self, asked: &Asked, fine_surface: bool) -> Result<Plan, PlanError> {
+        let Self { scene, generator, waveform, .. } = *self;
+        if given(asked, fine_surface) == self.given {
             return self.choose_given(asked);
         }
-        Self::new(self.scene, self.generator, self.waveform, asked)?.choose_given(asked)
+        let mut other = Self::with_surface(scene, generator, waveform, asked, fine_surface)?;
+        other.choose_given(asked)
     }
 
     fn choose_given(&mut self, asked: &Asked) -> Result<Plan, PlanError> {
@@ -124,6 +153,7 @@ impl<'a> Chooser<'a> {
                 between: None,
                 least_power: budget.least_power,
                 precision: budget.precision,
+                fine_surface: false,
                 echo: synth.single,
             };
             let prediction = Prediction { echo: synth.single_error, ..Prediction::default() };
@@ -142,7 +172,7 @@ impl<'a> Chooser<'a> {
             generator,
             sampler,
             (budget, &synth, size),
-            (gain_steps.clone(), panel_pulses),
+            (gain_steps.clone(), panel_pulses, self.given.2),
         );
         let best = search.best(sampler, &spacings)?.unwrap_or_else(|| one_by_one(1));
         if !best.keeps() && asked.node_pulses.is_none() {

@@ -31,6 +31,8 @@ pub struct EchoSettings {
     pub least_power: f64,
     /// Word length.
     pub precision: Precision,
+    /// Whether the surface at nodes is found in f64, and rounded at the end.
+    pub fine_surface: bool,
     /// The settings of the echo.
     pub echo: Settings,
 }

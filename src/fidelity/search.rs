@@ -87,6 +87,7 @@ pub(super) struct Search<'a> {
     size: Size,
     gain_steps: Vec<u64>,
     panel_pulses: Option<u64>,
+    fine_surface: bool,
     candidates: Candidates,
     thresholds: Vec<Candidate>,
     power: Powers,
@@ -108,7 +109,7 @@ impl<'a> Search<'a> {
         generator: &PathGenerator,
         sampler: &mut ErrorSampler<'_>,
         (budget, synth, size): (Budget, &'a SynthChoice, Size),
-        (gain_steps, panel_pulses): (Vec<u64>, Option<u64>),
+        (gain_steps, panel_pulses, fine_surface): (Vec<u64>, Option<u64>, bool),
     ) -> Self {
         let has_sea = generator.facets() > 0;
         let culled = sampler.culled(budget.least_power).clone();
@@ -133,6 +134,7 @@ impl<'a> Search<'a> {
             size,
             gain_steps,
             panel_pulses,
+            fine_surface,
             thresholds,
             candidates,
             power: sampler.power().clone(),
@@ -307,6 +309,7 @@ impl<'a> Search<'a> {
             between: self.between,
             least_power: self.budget.least_power,
             precision: self.budget.precision,
+            fine_surface: self.fine_surface,
             echo: self.synth.settings,
         }
     }

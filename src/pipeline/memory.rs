@@ -6,6 +6,7 @@
 //! | the sea that all workers share | [`SHARED_FACET_BYTES`] a facet |
 //! | the sea of a worker: its surface, nodes, shadows, phases | [`WORKER_FACET_BYTES`] a facet |
 //! | the same of pulses one by one, shared and of a worker | `SINGLE_FACET_BYTES` a facet more |
+//! | the surface in f64, of a worker | `FINE_FACET_BYTES` a facet |
 //! | choppy waves, of a worker | [`CHOPPY_FACET_BYTES`] a facet |
 //! | facets that forget their phases, of a worker of the fast echo | [`FORGETTING_BYTES`] a facet, up to [`FORGETTING_ROOM_BYTES`] |
 //! | shadows of a patch that follows, and of choppy waves, of a worker of the fast echo | [`FOLLOW_FACET_BYTES`] a facet |
@@ -21,6 +22,7 @@
 //! paths and of those in single precision, from 64 x 64 to 256 x 256.
 
 use crate::echo::Fidelity;
+use crate::fidelity::budget::may_have_fine_surface;
 use crate::paths::block::{FORGETTING_BYTES, FORGETTING_ROOM_BYTES};
 use crate::scene::Scene;
 use crate::scene::sea::{BraggWaves, PatchPlace, Waves};
@@ -38,6 +40,8 @@ pub const WORKER_FACET_BYTES: [u64; 2] = [700, 430];
 const SINGLE_FACET_BYTES: [u64; 2] = [320, 900];
 /// More of each worker, a facet, where waves are choppy: four fields, of every node in the fast echo.
 pub const CHOPPY_FACET_BYTES: [u64; 2] = [32, 64];
+/// More of each worker of the fast echo, a facet, where the surface at nodes is found in f64.
+const FINE_FACET_BYTES: u64 = 200;
 /// Of each worker of the fast echo, a facet, where the patch follows or waves are choppy: a surface of its
 /// own for the shadows, and updates that blocks share.
 pub const FOLLOW_FACET_BYTES: u64 = 250;
@@ -82,11 +86,13 @@ pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
         Fidelity::Reference => 0,
         Fidelity::Fast(_) => 1,
     };
+    let fine = matches!(fidelity, Fidelity::Fast(asked) if may_have_fine_surface(asked));
     let follows = scene.sea.as_ref().is_some_and(|sea| sea.place != PatchPlace::Fixed);
     let choppy = scene.sea.as_ref().is_some_and(|sea| sea.waves == Waves::Choppy);
     let apart = (follows || choppy) && n == 1;
     let worker = WORKER_FACET_BYTES[n] + if apart { FOLLOW_FACET_BYTES } else { 0 };
     let worker = worker + if choppy { CHOPPY_FACET_BYTES[n] } else { 0 };
+    let worker = worker + if fine { FINE_FACET_BYTES } else { 0 };
     let forgets = scene.sea.as_ref().is_some_and(|sea| {
         sea.scattering.bragg == BraggWaves::Frozen && sea.scattering.decorrelation_s.is_some()
     });

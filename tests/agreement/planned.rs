@@ -308,3 +308,18 @@ fn a_sea_that_the_window_does_not_receive_sets_no_doppler() {
     assert!(plan.keeps() && plan.chosen.node_pulses > 1, "{plan:?}");
     assert!(measured_db <= predicted_db, "{predicted_db} {measured_db}");
 }
+
+/// Heights in f32 keep no nodes below some -73 dB here; those in f64 do.
+#[test]
+fn fine_budgets_keep_nodes() {
+    let small = [("scene.patch_size_m", "[64, 64]"), ("ship", "[]")];
+    for error_db in some_of(["-75", "-80"]) {
+        let run = scene("configs/mars-1.toml", &[&small[..], &[("fidelity.error_db", error_db)]].concat());
+        let pulses = sample(run.scene.seed, run.scene.pulses, 37, sized(PULSES, 12));
+        let (measured_db, plan) = measured(&Judge::new(&run, pulses, 2, |_| ()).unwrap(), &run);
+        let predicted_db = plan.prediction.total_db();
+        println!("asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB");
+        assert!(plan.chosen.fine_surface && plan.chosen.node_pulses > 1, "{:?}", plan.chosen);
+        assert!(plan.keeps() && measured_db <= predicted_db, "{predicted_db} {measured_db}");
+    }
+}

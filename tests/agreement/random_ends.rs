@@ -29,8 +29,8 @@ pub(super) fn emitters(draw: &mut Draw, (geometry, signal): (&Geometry, &Signal)
         platform(&format!("e{n}"), Flight::drawn(draw, geometry.partner, geometry.lasts_s), out);
         let prf_hz = draw.log(0.3 * geometry.prf_hz, 10.0 * geometry.prf_hz);
         let bandwidth_hz = draw.log(0.01, 1.5) * signal.rate_hz;
-        let pulse_s =
-            draw.log(2.0 / bandwidth_hz, 0.3 * signal.samples as f64 / signal.rate_hz).min(1.0 / prf_hz);
+        let longest_s = (0.3 * signal.samples as f64 / signal.rate_hz).min(1.0 / prf_hz);
+        let pulse_s = draw.log((2.0 / bandwidth_hz).min(0.5 * longest_s), longest_s);
         let carrier_hz = geometry.carrier_hz + draw.between(-0.4, 0.4) * signal.rate_hz;
         line!(
             out,

@@ -177,7 +177,7 @@ pub struct ErrorSampler<'a> {
 pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
 
 impl<'a> ErrorSampler<'a> {
-    /// For a run of so many pulses in units of some, with the sidelobe threshold if one is asked; illuminates
+    /// For a run of so many pulses in units of some, with the sidelobe threshold and whether surfaces are found in f64; illuminates
     /// the sample once at every place.
     ///
     /// # Errors
@@ -187,7 +187,7 @@ impl<'a> ErrorSampler<'a> {
         radar: &'a Radar,
         waveform: &dyn Waveform,
         (pulses, unit): (u64, u64),
-        sidelobe_db: Option<f64>,
+        (sidelobe_db, fine_surface): (Option<f64>, bool),
     ) -> Result<Self, RadarError> {
         let candidates = Candidates::new(sidelobe_db);
         let bandwidth_hz = waveform.bandwidth_hz();
@@ -205,7 +205,7 @@ impl<'a> ErrorSampler<'a> {
             pulses,
             unit,
             memory: generator.workspace(),
-            tiles: generator.tile_work(Variant::fastest(), None),
+            tiles: generator.tile_work(Variant::fastest(), None, fine_surface),
             places: Vec::new(),
             channels,
             interval_s: radar.emissions.mean_pri_s(),

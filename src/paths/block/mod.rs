@@ -54,6 +54,7 @@ pub mod probe;
 mod shadows;
 mod slow_time;
 mod supports;
+mod surface;
 mod tile;
 mod timing;
 mod travelling;
@@ -72,7 +73,6 @@ use crate::radar::fault::RadarError;
 use crate::scattering::bragg::block as bragg_block;
 use crate::scattering::lanes::{Batch, LandRows};
 use crate::scene::Patch;
-use crate::sea::facet_surface::FacetSurface;
 use crate::sea::surface::{Fields, Selection};
 
 use epoch::View;
@@ -91,6 +91,7 @@ use shadows::{Heights, Maker, ShadowWeights};
 pub use slow_time::SlowTime;
 use supports::SupportSets;
 pub use supports::{Supports, TAPS};
+use surface::NodeSurface;
 use tile::compact;
 pub use tile::{Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of, layers_of};
 use timing::Timings;
@@ -125,7 +126,7 @@ pub struct Sample {
 #[derive(Clone)]
 pub struct TileWork {
     variant: Variant,
-    facet_surface: FacetSurface<f32>,
+    facet_surface: NodeSurface,
     nodes: Vec<NodeWork>,
     timings: Timings,
     /// Per pair: product of the gains of field below which a tile is in the sidelobes; empty where none is.
@@ -185,18 +186,19 @@ struct NodeWork {
 
 impl PathGenerator {
     /// Room for tiles; `None` for a scene without sea. Workers of one run may share the borders of their
-    /// blocks.
+    /// blocks; `fine`: with the surface of nodes found in f64.
     pub fn tile_work(
         &self,
         variant: Variant,
         borders: Option<Arc<dyn ShareBorders>>,
+        fine: bool,
     ) -> Option<Box<TileWork>> {
         let sea = self.sea.as_ref()?;
         let of = &self.radar.tx_polarisation;
         let groups = |plan: &PairPlan| plan.channels.iter().map(|(_, tx, _)| of.group(Some(*tx))).collect();
         let channels: Vec<Vec<u8>> = self.plans.iter().map(groups).collect();
         let interval_s = self.radar.emissions.mean_pri_s();
-        sea.tile_work(variant, &channels, interval_s, borders).map(Box::new)
+        sea.tile_work(variant, &channels, interval_s, borders, fine).map(Box::new)
     }
 
     /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of
@@ -297,6 +299,7 @@ impl SeaPlan {
         channels: &[Vec<u8>],
         interval_s: f64,
         borders: Option<Arc<dyn ShareBorders>>,
+        fine: bool,
     ) -> Option<TileWork> {
         let selection = Selection {
             slopes: true,
@@ -307,12 +310,7 @@ impl SeaPlan {
             ..Selection::HEIGHT
         };
         // The wakes are legal: the plan was built with them.
-        let facet_surface = FacetSurface::new(&self.surface, selection)
-            .with_relaxation(self.scattering.relaxation_per_s())
-            .with_choppy(self.choppy)
-            .with_wakes(&self.wakes, &self.patch)
-            .ok()?;
-        let facet_surface = facet_surface.with_land(self.land.as_ref().map(|land| &land.sheet));
+        let facet_surface = NodeSurface::of(self, selection, fine)?;
         let maker = Maker::of(self, borders)?;
         let facets = self.patch.len();
         let mechanisms = self.scattering.mechanisms();

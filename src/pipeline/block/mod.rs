@@ -75,6 +75,8 @@ pub(crate) struct BlockEcho {
     /// The same of wake tiles, if there may be any.
     wake_epochs: Option<usize>,
     sidelobe: Option<Sidelobe>,
+    /// Whether the surface at nodes is found in f64.
+    fine_surface: bool,
     /// What a tile may lack at its supports alone.
     between: Option<f64>,
     /// Power of a facet over the mean below which it is left out.
@@ -187,6 +189,7 @@ impl BlockEcho {
             epochs_per_node: chosen.epochs_per_node,
             wake_epochs: chosen.wake_epochs,
             sidelobe: chosen.sidelobe,
+            fine_surface: chosen.fine_surface,
             between: chosen.between,
             least_power: chosen.least_power,
             pulses,
@@ -213,7 +216,7 @@ impl BlockEcho {
             part: self.synth.block_with_room(at_once, breakers * part),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
-            tiles: generator.tile_work(variant, Some(self.borders.clone())),
+            tiles: generator.tile_work(variant, Some(self.borders.clone()), self.fine_surface),
             lanes: LaneWork::default(),
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
