@@ -57,12 +57,12 @@ impl EmitterReport {
         let share = 100.0 * share_of_pulses;
         let how = match node_pulses {
             0 | 1 => "pulse by pulse".to_owned(),
-            _ => format!("nodes {node_pulses} of its emissions apart"),
+            _ => format!("nodes {node_pulses} of its own pulses apart"),
         };
         described(
             "emitter",
             format!(
-                "{name}: received by {share:.0} % of the pulses, {how}, {predicted_rel_rms_db:.1} dB predicted"
+                "{name}: it reaches {share:.0} % of the windows, {how}, {predicted_rel_rms_db:.1} dB predicted"
             ),
         )
     }

@@ -18,8 +18,9 @@ pub const PANELS_DB: f64 = 10.0;
 /// What pulses between the supports of their tiles lack stays so far below the budget, dB.
 pub const BETWEEN_DB: f64 = 10.0;
 
-/// Budgets below this may have the surface at nodes found in f64, dB: what transforms in f32 leave of heights is
-/// some -83 dB of a sea of 0.6 m rms in X band, and the strongest pulse may have 10 dB over the mean.
+/// Budgets below this may have the surface at nodes found in f64, dB: what transforms in f32 leave of
+/// heights is some -83 dB of a sea of 0.6 m rms in X band, and the strongest pulse may have 10 dB over the
+/// mean.
 const FINE_SURFACE_DB: f64 = -65.0;
 
 /// Whether the surface at nodes may be found in f64 for an error; pulses by themselves have no nodes.

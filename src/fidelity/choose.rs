@@ -52,8 +52,8 @@ pub struct Chooser<'a> {
     gain_steps: Vec<u64>,
 }
 
-/// What is asked that a sample depends on: sidelobe threshold, pulses of gains and of panels, precision of the
-/// surface.
+/// What is asked that a sample depends on: sidelobe threshold, pulses of gains and of panels, precision of
+/// the surface.
 type Given = (Option<f64>, [Option<u64>; 2], bool);
 
 fn given(asked: &Asked, fine_surface: bool) -> Given {
@@ -197,13 +197,13 @@ fn in_units(steps: &[u64], unit: u64, least: u64) -> Vec<u64> {
 const GRID_BYTES: usize = 64 << 20;
 
 /// Most pulses of a block whose grids are no larger than [`GRID_BYTES`].
-fn most_pulses(scene: &Scene, generator: &PathGenerator, waveform: &dyn Waveform) -> u64 {
+pub(crate) fn most_pulses(scene: &Scene, generator: &PathGenerator, waveform: &dyn Waveform) -> u64 {
     let radar = &scene.radar;
     let samples = radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 64;
     // Two cells a sample, real and imaginary; lanes are a power of two.
     let lanes = 2 * radar.channels.len().max(generator.pairs().len()).next_power_of_two();
     let of_pulse = 2 * samples.saturating_mul(lanes) * size_of::<f32>();
-    (GRID_BYTES / of_pulse.max(1)).min(MAX_PULSES) as u64
+    (GRID_BYTES / of_pulse.max(1)).clamp(1, MAX_PULSES) as u64
 }
 
 /// Spacings of the nodes that come into question, from far to close, pulses; of a unit of pulses, and blocks

@@ -17,8 +17,10 @@ use crate::paths::list::ScattererPaths;
 use crate::paths::sea::Drawn;
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
-use crate::scene::{Emitter, Scene};
+use crate::scene::radar::{Channel, TxPolarisation};
+use crate::scene::{Emitter, Radar, Scene};
 use crate::time::{PulseTimes, TimeTag};
+use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Pulses, apart from emissions.
 #[derive(Clone, Debug)]
@@ -35,12 +37,37 @@ impl Apart {
     }
 }
 
-/// The scene of an emitter as the radar of another receives it: its emissions are the pulses.
-pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter) -> Scene {
-    let lasts_s = scene.radar.emissions.interval_s(0, scene.pulses.saturating_sub(1));
-    // That at the very last pulse among them.
-    let pulses = if scene.pulses > 0 { emitter.emissions.count_within(lasts_s.next_up()) } else { 0 };
-    let mut own = Scene { radar: emitter.received_by(&scene.radar), pulses, ..scene.clone() };
+/// A radar as it receives an emitter: one more transmitter, the emitter's carrier, waveform and schedule,
+/// and a channel for every port of a receiver that takes it. Without rain clutter.
+pub(crate) fn received_by(emitter: &Emitter, radar: &Radar) -> Radar {
+    let mut heard = radar.clone();
+    heard.emitters.clear();
+    heard.transmitters.push(emitter.transmitter.clone());
+    heard.carrier_hz = emitter.carrier_hz;
+    heard.waveform = emitter.waveform.clone();
+    heard.emissions = emitter.emissions.clone();
+    heard.tx_polarisation = TxPolarisation::Simultaneous;
+    heard.direct_path = emitter.direct_path;
+    heard.rain_clutter = None;
+    heard.channels.clear();
+    for channel in radar.channels.iter().filter(|own| emitter.receivers.contains(&own.receiver)) {
+        let port = (channel.receiver, channel.rx);
+        if heard.channels.iter().all(|own| (own.receiver, own.rx) != port) {
+            let transmitter = radar.transmitters.len();
+            heard.channels.push(Channel { transmitter, tx: emitter.polarisation, ..channel.clone() });
+        }
+    }
+    heard
+}
+
+/// The scene of an emitter as the radar of another receives it: its emissions are the pulses, up to so long
+/// after the radar's last.
+pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter, after_s: f64) -> Scene {
+    let last_s = scene.radar.emissions.interval_s(0, scene.pulses.saturating_sub(1));
+    // That at the very last instant among them.
+    let pulses =
+        if scene.pulses > 0 { emitter.emissions.count_within((last_s + after_s).next_up()) } else { 0 };
+    let mut own = Scene { radar: received_by(emitter, &scene.radar), pulses, ..scene.clone() };
     if !emitter.echo {
         own.sea = None;
         own.ships.clear();
@@ -65,7 +92,7 @@ impl PathGenerator {
         built.leads = scene.radar.window_leads();
         built.plans = pair_plans(&built.radar, &built.pairs, built.leads.len(), &built.channel_pairs);
         built.in_air = InAir::of_others();
-        let (times, offset_hz) = (scene.radar.emissions.clone(), emitter.offset_hz(&scene.radar));
+        let (times, offset_hz) = (scene.radar.emissions.clone(), emitter.carrier_hz - scene.radar.carrier_hz);
         built.apart = Some(Apart { times, pulses: scene.pulses, offset_hz });
         Ok(built)
     }
@@ -73,6 +100,11 @@ impl PathGenerator {
     /// Whether pulses are not those emitted.
     pub(crate) fn is_apart(&self) -> bool {
         self.apart.is_some()
+    }
+
+    /// Mean interval of its emissions, s.
+    pub(crate) fn mean_pri_s(&self) -> f64 {
+        self.radar.emissions.mean_pri_s()
     }
 
     /// How many pulses receive.
@@ -104,16 +136,24 @@ impl PathGenerator {
         }
     }
 
-    /// By how much the carrier turns so many emissions from the first on: at that, and from one mean interval
-    /// to the next, turns.
-    pub(crate) fn carrier_turns(&self, first: u64) -> [f64; 2] {
-        let Some(apart) = &self.apart else { return [0.0; 2] };
-        let turns = |seconds: f64| apart.offset_hz * seconds;
-        let emissions = &self.radar.emissions;
-        let own = turns(emissions.interval_s(0, first));
-        let each = turns(emissions.mean_pri_s());
-        // Of equal intervals whole turns vanish.
-        [own.fract(), if emissions.is_uniform() { each.fract() } else { each }]
+    /// By how much the carrier turns an emission, turns.
+    fn carrier_turns_of(&self, emitted: u64) -> f64 {
+        let Some(apart) = &self.apart else { return 0.0 };
+        let at = self.radar.emissions.emission(TimeTag::default(), emitted);
+        // Whole turns of whole seconds vanish before they cost digits.
+        (apart.offset_hz.fract() * at.seconds() as f64).fract() + (apart.offset_hz * at.fraction_s()).fract()
+    }
+
+    /// By how much the carrier turns so many emissions from the first on, turns: where intervals are equal
+    /// the first, and from each to the next; else every one.
+    pub(crate) fn carrier_turns(&self, first: u64, count: usize, each: &mut Vec<f64>) -> [f64; 2] {
+        each.clear();
+        let (Some(apart), emissions) = (&self.apart, &self.radar.emissions) else { return [0.0; 2] };
+        if emissions.is_uniform() {
+            return [self.carrier_turns_of(first), (apart.offset_hz * emissions.mean_pri_s()).fract()];
+        }
+        each.extend((first..).take(count).map(|emitted| self.carrier_turns_of(emitted)));
+        [0.0; 2]
     }
 
     /// Fills `paths` with all that windows receive of the emitter, which start so long after their pulse, s.
@@ -146,7 +186,7 @@ impl PathGenerator {
         for emitted in emissions {
             let before = paths.len();
             self.append_others(index, emitted..emitted + 1, windows, workspace, paths)?;
-            let [turns, _] = self.carrier_turns(emitted);
+            let turns = self.carrier_turns_of(emitted);
             if turns != 0.0 {
                 paths.turn(before, Complex64::cis(TAU * turns));
             }
@@ -169,7 +209,12 @@ impl PathGenerator {
         self.evaluate(about, &mut workspace.own)?;
         let span = self.delay_span_s(about, &workspace.own)?;
         let closing_mps = self.closing_mps(&workspace.own.centres);
-        Ok(span.map_or(0..0, |span| self.emissions_within(index, span, closing_mps, &hull)))
+        // That emission may be far from the pulse.
+        let drift_s = self.offset_s(index, about).abs() * closing_mps / SPEED_OF_LIGHT_MPS;
+        let within = |(nearest_s, farthest_s): (f64, f64)| {
+            self.emissions_within(index, (nearest_s - drift_s, farthest_s + drift_s), closing_mps, &hull)
+        };
+        Ok(span.map_or(0..0, within))
     }
 
     /// Share of some pulses whose windows receive anything; windows as those of `radar`.

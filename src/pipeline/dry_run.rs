@@ -20,7 +20,8 @@ use std::sync::Arc;
 
 use num_complex::Complex32;
 
-use super::stages::{self, PulseFactory};
+use super::engines;
+use super::stages::PulseFactory;
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
 use crate::fidelity::budget::{EXACT_DB, Plan};
@@ -198,7 +199,7 @@ impl<'a> Trial<'a> {
     /// The pulses by a plan.
     fn samples(&self, plan: &Plan) -> Result<Option<Vec<Vec<Complex32>>>, BuildErrors> {
         let (scene, radar) = (self.scene, &self.radar);
-        let echo = stages::engine(Some(plan), radar, None, self.generator, self.waveform)?;
+        let echo = engines::engine(Some(plan), radar, None, self.generator, self.waveform)?;
         let (generator, waveform) = (self.generator.clone(), Arc::clone(self.waveform));
         let factory = PulseFactory::new((echo, None), (scene, radar), generator, waveform);
         let (mut slot, mut worker) = (factory.slot(), factory.worker());

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use super::dry_run;
+use super::engines;
 use super::fault::BuildErrors;
 use super::overheard::{self, Overheard};
 use super::prepared::Files;
-use super::stages::{self, PulseFactory};
+use super::stages::PulseFactory;
 use crate::echo::Fidelity;
 use crate::fidelity::Prediction;
 use crate::fidelity::budget::Plan;
@@ -61,7 +62,7 @@ pub(super) fn with_files(
         Fidelity::Reference => None,
         Fidelity::Fast(asked) => Some(dry_run::plan(scene, &generator, &waveform, asked)?),
     };
-    let echo = stages::engine(plan.as_ref(), radar, None, &generator, &waveform)?;
+    let echo = engines::engine(plan.as_ref(), radar, None, &generator, &waveform)?;
     let segment = echo.segment_pulses();
     let others: Vec<Overheard> = others
         .into_iter()

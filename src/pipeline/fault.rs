@@ -71,6 +71,32 @@ pub enum BuildError {
     /// A ship, reported together with faults of other parts.
     #[error(transparent)]
     Ship(#[from] FleetError),
+    /// An emitter whose pulses overlap.
+    #[error(
+        "emitter '{name}': its pulse of {pulse_s:e} s is longer than its interval of {interval_s:e} s; allowed: no longer than that \
+         (prf_hz, pri_us, waveform)"
+    )]
+    EmitterOverlaps {
+        /// The emitter.
+        name: String,
+        /// Its pulse, s.
+        pulse_s: f64,
+        /// Its shortest interval, s.
+        interval_s: f64,
+    },
+    /// An emitter of which a window receives too many pulses.
+    #[error(
+        "emitter '{name}': a window receives {received:.0} of its pulses; allowed: up to {allowed:.0} (a lower prf_hz, longer pri_us, \
+         or a smaller radar.window.samples)"
+    )]
+    EmitterCrowds {
+        /// The emitter.
+        name: String,
+        /// How many.
+        received: f64,
+        /// At most.
+        allowed: f64,
+    },
     /// The waveform.
     #[error(transparent)]
     Waveform(#[from] WaveformError),

@@ -4,11 +4,10 @@
 use num_complex::Complex64;
 
 use super::fault::PulseError;
-use super::overheard::{Listener, Overheard};
 use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::hull_scatterers::ShipTracks;
 use crate::pulse::Pulse;
-use crate::pulse::costs::Stage;
+use crate::pulse::costs::{Costs, Stage};
 use crate::radar::calibration::{GeneratorScratch, Generators};
 use crate::radar::clock::{ChannelClock, RunningClocks};
 use crate::radar::receiver::{Receiver, ReceiverScratch};
@@ -41,12 +40,29 @@ impl<'f> Desk<'f> {
     }
 }
 
+/// Adds what is received besides the radar's own echoes, in one thread.
+pub(crate) trait Listen: Send {
+    /// Goes by the tracks that are flown.
+    fn take_off(&mut self);
+
+    /// Adds what the windows of a pulse receive to the spectra of its channels.
+    ///
+    /// # Errors
+    /// Paths that cannot be followed.
+    fn add(
+        &mut self,
+        pulse: &mut Pulse,
+        spectrum: &mut [Complex64],
+        costs: &mut Costs,
+    ) -> Result<(), PulseError>;
+}
+
 /// What one worker has at hand.
 pub(crate) struct Kit<'f> {
     /// Of the radar's own echoes.
     pub desk: Desk<'f>,
     /// What is received besides.
-    others: Vec<Listener<'f>>,
+    others: Vec<Box<dyn Listen + 'f>>,
     reception: &'f Reception,
     /// Of the receiver, and the levels that it met.
     pub scratch: ReceiverScratch,
@@ -55,12 +71,16 @@ pub(crate) struct Kit<'f> {
 }
 
 impl<'f> Kit<'f> {
-    pub fn new(paths: &'f PathGenerator, others: &'f [Arc<Overheard>], reception: &'f Reception) -> Self {
+    pub fn new(
+        paths: &'f PathGenerator,
+        others: Vec<Box<dyn Listen + 'f>>,
+        reception: &'f Reception,
+    ) -> Self {
         let Reception { receiver, generators, .. } = reception;
         let channels = paths.channel_pairs().len();
         Self {
             desk: Desk::new(paths, receiver.fft_len()),
-            others: others.iter().map(|other| other.listener(receiver.fft_len())).collect(),
+            others,
             reception,
             scratch: receiver.scratch(),
             clocks: Vec::with_capacity(channels),
@@ -71,7 +91,7 @@ impl<'f> Kit<'f> {
     /// Goes by the tracks that are flown.
     pub fn take_off(&mut self, paths: &'f PathGenerator) {
         self.desk.paths = paths;
-        self.others.iter_mut().for_each(Listener::take_off);
+        self.others.iter_mut().for_each(|other| other.take_off());
     }
 
     /// Finishes a pulse whose record and spectrum are filled.

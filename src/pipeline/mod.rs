@@ -16,6 +16,7 @@ pub mod control;
 pub mod control_lines;
 mod dry_run;
 mod engine;
+mod engines;
 pub mod factory;
 pub mod focus;
 pub mod fault;

@@ -1,29 +1,29 @@
 //! What receivers take of emitters beside the transmitters of their radar: another radar, a jammer.
 //!
-//! Each emitter has paths, a plan and an engine of its own, by its own schedule, carrier and waveform. What it
-//! returns is added, spectrum by spectrum, to the channels of the receivers that take it:
+//! Each emitter has paths, a plan and an engine of its own, by its own schedule, carrier and waveform. What
+//! it returns is added, spectrum by spectrum, to the channels of the receivers that take it:
 //!
 //! ```text
 //! S[k] = S_radar[k] + sum over emitters of S_emitter[k]
 //! ```
 //!
 //! Where its pulses are longer or shorter than the radar's its transforms are, too: [`Refit`] brings them to
-//! one length. Echoes of different emitters add as powers on average, and so do their errors. But an emitter may be
-//! received by few pulses, and a pulse is judged by the mean of all: its error is planned finer by the share
-//! of pulses that receive it.
+//! one length. Echoes of different emitters add as powers on average, and so do their errors. But an emitter
+//! may be received by few pulses, and a pulse is judged by the mean of all: its error is planned finer by
+//! the share of pulses that receive it.
 
 use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
 
 use super::engine::{EchoEngine, EchoWorker};
-use super::fault::{BuildErrors, PulseError};
-use super::kit::Desk;
+use super::engines;
+use super::fault::{BuildError, BuildErrors, PulseError};
+use super::kit::{Desk, Listen};
 use super::refit::Refit;
-use super::stages;
 use crate::echo::{Asked, Fidelity};
 use crate::fidelity::budget::{EXACT_DB, Plan};
-use crate::fidelity::choose::Chooser;
+use crate::fidelity::choose::{Chooser, most_pulses};
 use crate::fidelity::probe::spread_over;
 use crate::motion::PlatformTracks;
 use crate::paths::{Drawn, PathGenerator, scene_of};
@@ -31,10 +31,13 @@ use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::clock::RunningClocks;
 use crate::radar::waveform::{self, Offset, Waveform};
+use crate::scene::radar::{Channel, Gate};
 use crate::scene::{Emitter, Radar, Scene};
 
 /// Pulses of which it is found whether they receive an emitter.
 const PULSES: u64 = 512;
+/// Most pulses of an emitter that a window receives.
+const MOST_RECEIVED: f64 = 10_000.0;
 /// How much finer than the rest an emitter is planned, dB: there is no dry run of it.
 const FINER_DB: f64 = 6.0;
 
@@ -58,27 +61,58 @@ pub(crate) fn emitting(
     drawn: Drawn<'_>,
 ) -> Result<Vec<Emitting>, BuildErrors> {
     let radar = &scene.radar;
-    let of = |emitter: &Emitter| {
-        let own = scene_of(scene, emitter);
-        let offset_hz = emitter.offset_hz(radar);
-        let waveform = waveform::from_description(&emitter.waveform)?;
-        let waveform: Arc<dyn Waveform> = Arc::new(Offset::new(waveform, offset_hz));
-        let tracks = tracks.to_vec();
-        let generator =
-            PathGenerator::of_emitter((scene, emitter), &own, waveform.duration_s(), tracks, drawn)?;
-        let channels = channels_of(radar, &own.radar);
-        let name = emitter.transmitter.name.clone();
-        Ok(Emitting { name, scene: own, generator, waveform, offset_hz, channels })
+    // Until the last window closes; where tracks end before that, until the last pulse.
+    let closes_s = |gate: &Gate| match gate {
+        Gate::Fixed { start_s } => start_s.max(0.0) + window_s(radar),
+        Gate::Follow { .. } => 0.0,
     };
-    radar.emitters.iter().map(of).collect()
+    let after_s = (0..radar.receivers.len()).map(|end| closes_s(radar.gate(end))).fold(0.0, f64::max);
+    let until = |emitter, after_s| one((scene, emitter), tracks, drawn, after_s);
+    radar.emitters.iter().map(|emitter| until(emitter, after_s).or_else(|_| until(emitter, 0.0))).collect()
+}
+
+/// An emitter that radiates until so long after the last pulse.
+fn one(
+    (scene, emitter): (&Scene, &Emitter),
+    tracks: &[PlatformTracks],
+    drawn: Drawn<'_>,
+    after_s: f64,
+) -> Result<Emitting, BuildErrors> {
+    let radar = &scene.radar;
+    let own = scene_of(scene, emitter, after_s);
+    let waveform = waveform::from_description(&emitter.waveform)?;
+    check(emitter, waveform.duration_s(), window_s(radar))?;
+    let offset_hz = emitter.carrier_hz - radar.carrier_hz;
+    let waveform: Arc<dyn Waveform> = Arc::new(Offset::new(waveform, offset_hz));
+    let pulse_s = waveform.duration_s();
+    let generator = PathGenerator::of_emitter((scene, emitter), &own, pulse_s, tracks.to_vec(), drawn)?;
+    let channels = channels_of(radar, &own.radar);
+    let name = emitter.transmitter.name.clone();
+    Ok(Emitting { name, scene: own, generator, waveform, offset_hz, channels })
+}
+
+fn window_s(radar: &Radar) -> f64 {
+    radar.window.samples as f64 / radar.sample_rate_hz
+}
+
+/// Refuses pulses that overlap each other, and more of them in a window than anybody would wait for.
+fn check(emitter: &Emitter, pulse_s: f64, window_s: f64) -> Result<(), BuildError> {
+    let (name, interval_s) = (emitter.transmitter.name.clone(), emitter.emissions.shortest_pri_s());
+    if pulse_s > interval_s * (1.0 + 1e-9) {
+        return Err(BuildError::EmitterOverlaps { name, pulse_s, interval_s });
+    }
+    let received = (window_s + pulse_s) / interval_s;
+    if received > MOST_RECEIVED {
+        return Err(BuildError::EmitterCrowds { name, received, allowed: MOST_RECEIVED });
+    }
+    Ok(())
 }
 
 /// For every channel of an emitter those of the radar that it is added to.
 fn channels_of(radar: &Radar, own: &Radar) -> Vec<Vec<usize>> {
-    let of = |port: &crate::scene::radar::Channel| {
-        let same = |(_, channel): &(usize, &crate::scene::radar::Channel)| {
-            (channel.receiver, channel.rx) == (port.receiver, port.rx)
-        };
+    let of = |port: &Channel| {
+        let same =
+            |(_, channel): &(usize, &Channel)| (channel.receiver, channel.rx) == (port.receiver, port.rx);
         radar.channels.iter().enumerate().filter(same).map(|(place, _)| place).collect()
     };
     own.channels.iter().map(of).collect()
@@ -125,8 +159,13 @@ impl Emitting {
         };
         // Delays turn the receiver's carrier: what the emitter's has more is in waveform and paths.
         let carrier_hz = scene.radar.carrier_hz - offset_hz;
-        let received = Radar { carrier_hz, ..scene.radar };
-        let engine = stages::engine(plan.as_ref(), &received, Some(segment), &generator, &waveform)?;
+        let received = Radar { carrier_hz, ..scene.radar.clone() };
+        // No longer than its own blocks are planned, and than its grids have room: a part of the radar's.
+        let own = plan.map_or(1, |plan| plan.chosen.block_pulses(generator.hold_pulses()));
+        let most = (own as f64 * generator.mean_pri_s() / radar.mean_pri_s()) as u64;
+        let most = most.min(most_pulses(&scene, &generator, waveform.as_ref()));
+        let segment = (1..=segment).rev().find(|n| segment.is_multiple_of(*n) && *n <= most).unwrap_or(1);
+        let engine = engines::engine(plan.as_ref(), &received, Some(segment), &generator, &waveform)?;
         let generator = generator.with_clocks(clocks);
         let (flown, window_samples) = (OnceLock::new(), received.window.samples);
         Ok(Overheard { name, generator, flown, engine, channels, window_samples, plan, share_of_pulses })
@@ -145,6 +184,12 @@ impl Overheard {
         self.plan.map_or(0.0, |plan| plan.prediction.total() / seldom)
     }
 
+    /// Grids of one worker, bytes.
+    pub fn grid_bytes(&self) -> u64 {
+        let cells = 2 * (self.engine.fft_len() * self.channels.len()) as u64;
+        self.engine.segment_pulses().saturating_mul(cells).saturating_mul(self.engine.needs().cell_bytes)
+    }
+
     /// Goes by other tracks than it was prepared on.
     pub fn fly(&self, tracks: &[PlatformTracks]) {
         let _ = self.flown.set(self.generator.on_tracks(tracks.to_vec()));
@@ -155,20 +200,20 @@ impl Overheard {
     }
 
     /// What adds it in one thread, to spectra of so many bins.
-    pub fn listener(&self, fft_len: usize) -> Listener<'_> {
+    pub fn listener(&self, fft_len: usize) -> Box<dyn Listen + '_> {
         let own_len = self.engine.fft_len();
-        Listener {
+        Box::new(Listener {
             of: self,
             worker: self.engine.worker(self.generator()),
             desk: Desk::new(self.generator(), own_len),
             lens: [own_len, fft_len],
             refit: Refit::new(self.window_samples, own_len, fft_len),
-        }
+        })
     }
 }
 
 /// Adds an emitter to the pulses of one thread.
-pub(crate) struct Listener<'f> {
+struct Listener<'f> {
     of: &'f Overheard,
     worker: Box<dyn EchoWorker + 'f>,
     desk: Desk<'f>,
@@ -177,17 +222,12 @@ pub(crate) struct Listener<'f> {
     refit: Option<Refit>,
 }
 
-impl Listener<'_> {
-    /// Goes by the tracks that are flown.
-    pub fn take_off(&mut self) {
+impl Listen for Listener<'_> {
+    fn take_off(&mut self) {
         self.desk.paths = self.of.generator();
     }
 
-    /// Adds what the windows of a pulse receive to the spectra of its channels.
-    ///
-    /// # Errors
-    /// Paths that cannot be followed.
-    pub fn add(
+    fn add(
         &mut self,
         pulse: &mut Pulse,
         spectrum: &mut [Complex64],

@@ -16,14 +16,10 @@ use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex32;
 
-use super::block::BlockEcho;
 use super::engine::{EchoEngine, EchoWorker, Needs, Slots, full_list};
 use super::kit::{Kit, Reception};
 use super::memory;
 use super::overheard::Overheard;
-use super::single::SingleEcho;
-use crate::echo::reference::ReferenceEcho;
-use crate::echo::synth::{Precision, Synth, SynthError};
 use crate::fidelity::budget::Plan;
 use crate::fidelity::echo_settings::EchoSettings;
 use crate::motion::PlatformTracks;
@@ -58,44 +54,6 @@ pub struct PulseFactory {
     pub(crate) waveform: Arc<dyn Waveform>,
     pub(crate) layout: Layout,
     plan: Option<Plan>,
-}
-
-/// The engine of a plan, or the reference: of a radar's own pulses, or, in segments of so many, of what it
-/// receives besides.
-///
-/// # Errors
-/// Settings that the fast echo refuses.
-pub(crate) fn engine(
-    plan: Option<&Plan>,
-    radar: &Radar,
-    segment: Option<u64>,
-    generator: &PathGenerator,
-    waveform: &Arc<dyn Waveform>,
-) -> Result<Arc<dyn EchoEngine>, SynthError> {
-    let of_channels = generator.channel_pairs();
-    let (carrier_hz, rate_hz, samples) = (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
-    let waveform = Arc::clone(waveform);
-    let Some(Plan { chosen, .. }) = plan else {
-        let (pairs, guard) = (of_channels.to_vec(), generator.guard_samples());
-        let echo = ReferenceEcho::with_guard(waveform, carrier_hz, rate_hz, samples, pairs, guard);
-        return Ok(Arc::new(echo.in_windows(generator.pair_windows())));
-    };
-    Ok(match chosen.precision {
-        Precision::Double => {
-            let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
-            Arc::new(SingleEcho::new(synth.in_windows(generator.pair_windows())))
-        }
-        Precision::Single => {
-            let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
-            let synth = synth.grouped(&generator.channel_groups()).in_windows(generator.pair_windows());
-            let (pulses, hold) = (generator.receiving_pulses(), generator.hold_pulses());
-            let echo = BlockEcho::new(synth, chosen, pulses, hold)?;
-            Arc::new(match segment {
-                Some(pulses) => echo.in_segments(pulses),
-                None => echo,
-            })
-        }
-    })
 }
 
 /// Makes pulses in one thread, without allocating once it has seen the largest list of scatterer paths.
@@ -234,7 +192,8 @@ impl PulseFactory {
     /// Grids of one worker, bytes.
     pub(crate) fn grid_bytes(&self) -> u64 {
         let cells = 2 * (self.echo.fft_len() * self.echo_channels()) as u64;
-        self.block_pulses().saturating_mul(cells).saturating_mul(self.echo.needs().cell_bytes)
+        let own = self.block_pulses().saturating_mul(cells).saturating_mul(self.echo.needs().cell_bytes);
+        self.others.iter().fold(own, |sum, other| sum.saturating_add(other.grid_bytes()))
     }
 
     /// Panels and double bounces of ships that echo by their mesh.
@@ -354,7 +313,9 @@ impl PulseFactory {
 
     /// What makes pulses in one thread.
     pub fn worker(&self) -> Worker<'_> {
-        let kit = Kit::new(self.generator(), &self.others, &self.reception);
+        let fft_len = self.reception.receiver.fft_len();
+        let others = self.others.iter().map(|other| other.listener(fft_len)).collect();
+        let kit = Kit::new(self.generator(), others, &self.reception);
         Worker { factory: self, echo: self.echo.worker(self.generator()), kit }
     }
 

@@ -2,7 +2,6 @@
 
 pub mod calibration;
 pub mod clock;
-pub mod emitter;
 pub mod hull;
 pub mod land;
 pub mod mesh;
@@ -16,11 +15,10 @@ pub mod water;
 use crate::frames::SceneFrame;
 use crate::time::TimeTag;
 
-pub use emitter::Emitter;
 pub use hull::Hull;
 pub use land::Land;
 pub use patch::Patch;
-pub use radar::Radar;
+pub use radar::{Emitter, Radar};
 pub use sea::Sea;
 pub use ship::Ship;
 pub use target::Target;

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use crate::frames::{Body, Enu, Point, Vector};
 use crate::pulse::{Layout, SampleFormat};
-use crate::scene::Emitter;
 use crate::time::PulseTimes;
 
 /// The radar: every emission and every receive window of a run.
@@ -356,6 +355,27 @@ pub struct Transmitter {
     pub power_w: f64,
     /// Its antenna.
     pub antenna: AntennaMount,
+}
+
+/// An emitter beside the transmitters of a radar. Whatever receivers take of it is added to their channels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Emitter {
+    /// Name, power of its one polarisation, antenna.
+    pub transmitter: Transmitter,
+    /// Carrier frequency, Hz.
+    pub carrier_hz: f64,
+    /// What it radiates.
+    pub waveform: Waveform,
+    /// When its pulses leave, relative to pulse 0 of the radar; none after the radar's last.
+    pub emissions: PulseTimes,
+    /// Polarisation of all of them.
+    pub polarisation: Polarisation,
+    /// Receivers that take it, by their places in [`Radar`].
+    pub receivers: Vec<usize>,
+    /// Whether the direct path is received.
+    pub direct_path: bool,
+    /// Whether sea, ships and targets return it.
+    pub echo: bool,
 }
 
 /// A receiver: one antenna on a platform, all polarisations.

@@ -63,7 +63,8 @@ struct Found {
     asked_db: f64,
     predicted_db: f64,
     measured_db: f64,
-    /// Whether there are emitters: predicted is the worse of their error and the radar's, each over its own power.
+    /// Whether there are emitters: predicted is the worse of their error and the radar's, each over its own
+    /// power.
     emitters: bool,
 }
 

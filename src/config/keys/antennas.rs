@@ -33,11 +33,11 @@ tables! {
         POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
         CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
         CARRIER_HZ "carrier_hz", number("Hz", 1e6, 1e12), Means("that of [radar]"), "Carrier frequency. A part of its band must lie within half the sample rate of that of [radar].";
-        PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Its pulses a second; the first leaves with pulse 0, the last no later than that of the radar.";
+        PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Its pulses a second; the first leaves with pulse 0, the last before the last window closes.";
         PRI_US "pri_us", Kind::Numbers { unit: "us", least: 1, most: 65_536, min: 1e-3, max: 1e9 }, Means("prf_hz is given"), "Its intervals in turn.";
         WAVEFORM "waveform", Section(&waveform::TABLE), Required, "What it radiates; it may be wider than the sample rate.";
         POLARISATION "polarisation", Choice(words::<Polarisation>), Word("H"), "Polarisation of all its pulses.";
-        HEARD_BY "heard_by", Words { least: 0, most: 256, entry: "the name of a receiver" }, Means("all receivers"), "Receivers that take it.";
+        HEARD_BY "heard_by", Words { least: 1, most: 256, entry: "the name of a receiver" }, Means("all receivers"), "Receivers that take it.";
         DIRECT_PATH "direct_path", Kind::Flag, Flag(true), "Whether its direct path is received.";
         ECHO "echo", Kind::Flag, Flag(true), "Whether sea, ships and targets return it; rain does not.";
     }

@@ -1,7 +1,7 @@
 //! What radiates besides.
 
 use super::antenna::{self, MountKeys, mount_keys};
-use super::radar::{emissions, waveform};
+use super::signal::{emissions, waveform};
 use super::{Ground, Names};
 use crate::config::error::Problem;
 use crate::config::keys;

@@ -19,6 +19,7 @@ mod platform;
 mod radar;
 mod sea;
 mod ship;
+mod signal;
 mod ship_mesh;
 mod turbulent;
 mod slick;

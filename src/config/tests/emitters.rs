@@ -10,12 +10,13 @@ fn faults(own: &str) -> String {
 
 #[test]
 fn an_emitter_is_heard_by_all_on_the_carrier_of_the_radar() {
-    let radar = parse(COASTAL, &in_configs(), &settings(&[("emitter", EMITTER)])).unwrap().scene.radar;
+    let scene = parse(COASTAL, &in_configs(), &settings(&[("emitter", EMITTER)])).unwrap().scene;
+    let radar = &scene.radar;
     let [emitter] = &radar.emitters[..] else { panic!("{:?}", radar.emitters) };
-    assert_eq!((emitter.offset_hz(&radar), &emitter.receivers[..]), (0.0, &[0][..]));
+    assert_eq!((emitter.carrier_hz, &emitter.receivers[..]), (radar.carrier_hz, &[0][..]));
     assert!(emitter.direct_path && emitter.echo);
     // A channel for every port of the receiver.
-    let heard = emitter.received_by(&radar);
+    let heard = crate::paths::scene_of(&scene, emitter, 0.0).radar;
     let ports: Vec<[char; 2]> = heard.channels.iter().map(|own| [own.rx.letter(), own.tx.letter()]).collect();
     assert_eq!((ports, heard.transmitters.len()), (vec![['H', 'H'], ['V', 'H']], 2));
 }

@@ -38,9 +38,11 @@ pub struct Frame {
     pub(super) mean_hz: Vec<f64>,
     /// When the emissions are.
     pub slow: SlowTime,
-    /// By how much a carrier apart from the receiver's turns the first emission, and from one mean interval to
-    /// the next, turns.
+    /// By how much a carrier apart from the receiver's turns the first emission, and from one to the next,
+    /// turns; 0 where intervals differ.
     pub carrier_turns: [f64; 2],
+    /// The same of every emission, where intervals differ; empty where nothing turns them.
+    pub emission_turns: Vec<f64>,
     /// Group of channels that each emission fills; empty where every one fills all.
     pub groups: Vec<u8>,
     /// Who receives them, emission by emission; empty where every pulse receives its own alone.
@@ -58,10 +60,21 @@ impl Clone for Frame {
 
     /// Without allocating where there is room: exact pulses copy a frame for each of them.
     fn clone_from(&mut self, from: &Self) {
-        let Self { windows_s, replicas, mean_hz, slow, carrier_turns, groups, receives, filled } = from;
+        let Self {
+            windows_s,
+            replicas,
+            mean_hz,
+            slow,
+            carrier_turns,
+            emission_turns,
+            groups,
+            receives,
+            filled,
+        } = from;
         self.windows_s.clone_from(windows_s);
         self.slow.clone_from(slow);
         self.carrier_turns = *carrier_turns;
+        self.emission_turns.clone_from(emission_turns);
         self.groups.clone_from(groups);
         self.receives.clone_from(receives);
         self.filled.clone_from(filled);
@@ -107,6 +120,7 @@ impl Frame {
     pub(super) fn level(&mut self) {
         self.slow.level();
         self.carrier_turns = [0.0; 2];
+        self.emission_turns.clear();
         self.groups.clear();
         self.receives.clear();
         self.filled.clear();
@@ -174,7 +188,9 @@ impl<T: Scalar> Synth<T> {
             let whole = cells.round();
             let shift = (whole as i32, T::round_from(cells - whole));
             let row = own.emission - emissions.start;
-            Some(Emitted::new(shift, time(row), (row, own.pulse), uneven))
+            let turns =
+                frame.emission_turns.get(own.emission).map_or_else(T::Turns::default, |n| T::turns(*n));
+            Some(Emitted { turns, ..Emitted::new(shift, time(row), (row, own.pulse), uneven) })
         }));
         let groups = frame.groups.get(emissions.clone()).unwrap_or_default();
         if !(groups.is_empty() && frame.receives.is_empty()) {

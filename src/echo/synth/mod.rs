@@ -522,7 +522,7 @@ impl<T: Scalar> Synth<T> {
 }
 
 /// Emissions of a group, which stand together; all where there are no groups.
-fn of_group<'a, T>(emitted: &'a [Emitted<T>], groups: &[u8], group: u8) -> &'a [Emitted<T>] {
+fn of_group<'a, T: Scalar>(emitted: &'a [Emitted<T>], groups: &[u8], group: u8) -> &'a [Emitted<T>] {
     if groups.is_empty() {
         return emitted;
     }

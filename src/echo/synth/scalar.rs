@@ -62,6 +62,8 @@ pub trait Scalar: nereus_fft::Precision + Default + Into<f64> + sealed::Sealed {
     fn round_from(value: f64) -> Self;
     /// The fraction of a phase, turns.
     fn turns(value: f64) -> Self::Turns;
+    /// The sum of two phases.
+    fn sum(a: Self::Turns, b: Self::Turns) -> Self::Turns;
     /// `phi(m)`, in `[-1/2, 1/2]`.
     fn phase(phi: [Self::Turns; 3], cubic: Self, m: i32) -> Self;
     /// `phi0 + phi1 ticks + high`, in `[-1/2, 1/2]`.
@@ -87,6 +89,11 @@ impl Scalar for f32 {
     fn turns(value: f64) -> u32 {
         // 2^32 itself wraps to 0.
         ((value - value.floor()) * 4_294_967_296.0).round() as u64 as u32
+    }
+
+    #[inline(always)]
+    fn sum(a: u32, b: u32) -> u32 {
+        a.wrapping_add(b)
     }
 
     #[inline(always)]
@@ -143,6 +150,11 @@ impl Scalar for f64 {
     #[inline(always)]
     fn turns(value: f64) -> f64 {
         value - value.round()
+    }
+
+    #[inline(always)]
+    fn sum(a: f64, b: f64) -> f64 {
+        a + b
     }
 
     #[inline(always)]

@@ -49,7 +49,7 @@ impl<T: Scalar> DelayPolynomials<T> {
 
 /// An emission as a pulse receives it: when it is, and where the window of the pulse.
 #[derive(Clone, Copy, Debug)]
-pub struct Emitted<T> {
+pub struct Emitted<T: Scalar> {
     /// Shift of all places: whole cells and the rest.
     pub shift: (i32, T),
     /// From the middle of the block: whole intervals, or ticks where they differ, and what is left,
@@ -60,6 +60,8 @@ pub struct Emitted<T> {
     pub time: T,
     /// The same for the amplitudes, whose powers may count from another instant.
     pub amplitude_time: T,
+    /// By how much its carrier turns it, where intervals differ.
+    pub turns: T::Turns,
     /// Place of its factors.
     pub row: usize,
     /// Pulse whose grids it goes to.
@@ -83,6 +85,7 @@ impl<T: Scalar> Emitted<T> {
             rest: T::round_from(rest),
             time: T::round_from(time),
             amplitude_time: T::round_from(amplitude_time),
+            turns: T::Turns::default(),
             row,
             grid,
         }
@@ -370,12 +373,12 @@ fn uneven_phasors<T: Scalar, const FUSED: bool>(
     cos: &mut [T],
     sin: &mut [T],
 ) {
-    let Emitted { ticks, rest, time, .. } = *pulse;
+    let Emitted { ticks, rest, time, turns, .. } = *pulse;
     let lanes = p0.iter().zip(p1).zip(linear).zip(square).zip(p3).zip(cos.iter_mut().zip(sin));
     for (((((p0, p1), linear), square), p3), (cos, sin)) in lanes {
         let high = time * time * T::fma::<FUSED>(*p3, time, *square);
         let high = T::fma::<FUSED>(*linear, rest, high);
-        (*cos, *sin) = T::phasor::<FUSED>(T::uneven_phase(*p0, *p1, ticks, high));
+        (*cos, *sin) = T::phasor::<FUSED>(T::uneven_phase(T::sum(*p0, turns), *p1, ticks, high));
     }
 }
 

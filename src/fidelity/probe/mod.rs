@@ -177,8 +177,8 @@ pub struct ErrorSampler<'a> {
 pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
 
 impl<'a> ErrorSampler<'a> {
-    /// For a run of so many pulses in units of some, with the sidelobe threshold and whether surfaces are found in f64; illuminates
-    /// the sample once at every place.
+    /// For a run of so many pulses in units of some, with the sidelobe threshold and whether surfaces are
+    /// found in f64; illuminates the sample once at every place.
     ///
     /// # Errors
     /// A track that ends before the run.

@@ -1,8 +1,8 @@
 //! The surface at nodes, in the precision that an error asks for.
 //!
-//! A transform in f32 leaves some 3e-7 of the rms height: with waves of 0.6 m and the carrier at 10 GHz -83 dB of
-//! the echo, and as much more as the strongest pulse has over the mean. One in f64, rounded at its end, leaves
-//! 3e-8 of each height, 20 dB less, for twice the time.
+//! A transform in f32 leaves some 3e-7 of the rms height: with waves of 0.6 m and the carrier at 10 GHz -83
+//! dB of the echo, and as much more as the strongest pulse has over the mean. One in f64, rounded at its
+//! end, leaves 3e-8 of each height, 20 dB less, for twice the time.
 
 use crate::paths::sea::SeaPlan;
 use crate::scene::Patch;

@@ -414,7 +414,7 @@ impl BlockEcho {
             self.synth.clear_for(frame, grids);
         }
         generator.slow_time(from, count, &mut frame.slow);
-        frame.carrier_turns = generator.carrier_turns(from);
+        frame.carrier_turns = generator.carrier_turns(from, count, &mut frame.emission_turns);
         generator.pulse_groups(from, count, &mut frame.groups);
         frame.receives.clear();
         if !received.is_alone() {
