@@ -160,7 +160,7 @@ impl PathGenerator {
     ///
     /// # Errors
     /// Those of [`Self::pulse`].
-    pub(super) fn hear(
+    pub(super) fn append_received(
         &self,
         index: u64,
         starts_s: &[f64],
@@ -170,19 +170,19 @@ impl PathGenerator {
         let mut windows = std::mem::take(&mut workspace.windows);
         windows.clear();
         windows.extend(starts_s.iter().map(|open_s| Window::new(&self.radar, *open_s, self.pulse_length_s)));
-        let heard = self.hear_in(index, &windows, workspace, paths);
+        let made = self.append_in_windows(index, &windows, workspace, paths);
         workspace.windows = windows;
-        heard
+        made
     }
 
-    fn hear_in(
+    fn append_in_windows(
         &self,
         index: u64,
         windows: &[Window],
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
-        let emissions = self.heard_at(index, windows, workspace)?;
+        let emissions = self.emissions_at(index, windows, workspace)?;
         for emitted in emissions {
             let before = paths.len();
             self.append_others(index, emitted..emitted + 1, windows, workspace, paths)?;
@@ -195,7 +195,7 @@ impl PathGenerator {
     }
 
     /// Emissions that windows of a pulse may receive.
-    fn heard_at(
+    fn emissions_at(
         &self,
         index: u64,
         windows: &[Window],
@@ -221,7 +221,7 @@ impl PathGenerator {
     ///
     /// # Errors
     /// Tracks that do not cover the run.
-    pub(crate) fn share_of_pulses_heard(&self, radar: &Self, at: &[u64]) -> Result<f64, RadarError> {
+    pub(crate) fn share_of_pulses_reached(&self, radar: &Self, at: &[u64]) -> Result<f64, RadarError> {
         let (mut work, mut windows, mut heard) = (self.workspace(), Vec::new(), 0usize);
         for &index in at {
             windows.clear();
@@ -230,7 +230,7 @@ impl PathGenerator {
                 windows.push(Window::new(&self.radar, start_s, self.pulse_length_s));
             }
             let mut received = false;
-            for emitted in self.heard_at(index, &windows, &mut work)? {
+            for emitted in self.emissions_at(index, &windows, &mut work)? {
                 received |=
                     self.receives(index, emitted, &Window::hull(windows.iter().copied()), &mut work)?;
             }

@@ -430,7 +430,7 @@ impl PathGenerator {
         }
         paths.clear();
         if self.is_apart() {
-            self.hear(index, record.window_starts_s(), workspace, paths)?;
+            self.append_received(index, record.window_starts_s(), workspace, paths)?;
             workspace.costs.lap(Stage::ScattererPaths);
             return Ok(());
         }

@@ -39,6 +39,12 @@ pub(crate) trait EchoEngine: Send + Sync {
         Needs { cell_bytes: 0, lists: 1, panel_pulses: 1 }
     }
 
+    /// Grids of one worker with so many channels, bytes.
+    fn grid_bytes(&self, channels: usize) -> u64 {
+        let cells = 2 * (self.fft_len() * channels) as u64;
+        self.segment_pulses().saturating_mul(cells).saturating_mul(self.needs().cell_bytes)
+    }
+
     /// The same with other nodes; `None` where it has none, or cannot have these.
     fn with_nodes(&self, _chosen: &EchoSettings) -> Option<Arc<dyn EchoEngine>> {
         None

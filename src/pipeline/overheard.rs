@@ -145,7 +145,7 @@ impl Emitting {
         let Self { name, scene, generator, waveform, channels, offset_hz } = self;
         let pulses = generator.receiving_pulses();
         let at: Vec<u64> = spread_over(pulses, PULSES.min(pulses), 1).collect();
-        let share_of_pulses = generator.share_of_pulses_heard(radar, &at)?;
+        let share_of_pulses = generator.share_of_pulses_reached(radar, &at)?;
         let plan = match fidelity {
             Fidelity::Reference => None,
             Fidelity::Fast(asked) => {
@@ -186,8 +186,7 @@ impl Overheard {
 
     /// Grids of one worker, bytes.
     pub fn grid_bytes(&self) -> u64 {
-        let cells = 2 * (self.engine.fft_len() * self.channels.len()) as u64;
-        self.engine.segment_pulses().saturating_mul(cells).saturating_mul(self.engine.needs().cell_bytes)
+        self.engine.grid_bytes(self.channels.len())
     }
 
     /// Goes by other tracks than it was prepared on.

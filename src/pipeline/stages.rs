@@ -191,8 +191,7 @@ impl PulseFactory {
 
     /// Grids of one worker, bytes.
     pub(crate) fn grid_bytes(&self) -> u64 {
-        let cells = 2 * (self.echo.fft_len() * self.echo_channels()) as u64;
-        let own = self.block_pulses().saturating_mul(cells).saturating_mul(self.echo.needs().cell_bytes);
+        let own = self.echo.grid_bytes(self.echo_channels());
         self.others.iter().fold(own, |sum, other| sum.saturating_add(other.grid_bytes()))
     }
 

@@ -106,6 +106,11 @@ impl<T: Real> FacetSurface<T> {
 
     /// Room for the fields over a patch.
     pub fn fields(&self, patch: &Patch) -> Fields<T> {
+        self.room(patch)
+    }
+
+    /// The same in any precision.
+    pub(crate) fn room<U: Real>(&self, patch: &Patch) -> Fields<U> {
         Fields::sized(patch.len(), self.selection)
     }
 

@@ -127,7 +127,7 @@ fn an_emitter_adds_what_a_transmitter_would_have_had() {
                 heard += power(jam) / power(own);
             }
         }
-        assert!(heard > 1.0, "the emitter is faint: {heard}");
+        assert!(heard > 1.0, "the emitter is weak: {heard}");
     }
 }
 

@@ -20,7 +20,7 @@ fn platform(name: &str, flight: Flight, out: &mut String) {
     }
 }
 
-/// Now and then one or two emitters, seldom or often heard, near the carrier or on it, faint or loud.
+/// Now and then one or two emitters, seldom or often heard, near the carrier or on it, weak or strong.
 pub(super) fn emitters(draw: &mut Draw, (geometry, signal): (&Geometry, &Signal), out: &mut String) {
     if !draw.chance(0.2) {
         return;

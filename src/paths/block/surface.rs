@@ -36,8 +36,8 @@ impl NodeSurface {
     /// Room for the fields over a patch.
     pub fn fields(&self, patch: &Patch) -> Fields<f32> {
         match self {
-            Self::Single(surface) => surface.fields(patch),
-            Self::Double(_, fine) => fine.rounded(),
+            Self::Single(surface) => surface.room(patch),
+            Self::Double(surface, _) => surface.room(patch),
         }
     }
 

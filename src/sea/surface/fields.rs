@@ -221,24 +221,6 @@ impl Fields<f32> {
     }
 }
 
-impl Fields<f64> {
-    /// The same fields in single precision.
-    pub(crate) fn rounded(&self) -> Fields<f32> {
-        let column = |column: &Vec<f64>| -> Vec<f32> { column.iter().map(|x| *x as f32).collect() };
-        Fields {
-            height_m: column(&self.height_m),
-            slope: self.slope.each_ref().map(column),
-            velocity_mps: self.velocity_mps.each_ref().map(column),
-            acceleration_mps2: self.acceleration_mps2.each_ref().map(column),
-            displacement_m: self.displacement_m.each_ref().map(column),
-            slope_rate_per_s: self.slope_rate_per_s.each_ref().map(column),
-            modulation: self.modulation.each_ref().map(column),
-            stretch: self.stretch.each_ref().map(column),
-            area: column(&self.area),
-        }
-    }
-}
-
 /// All fields at one place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
