@@ -10,6 +10,8 @@ mod error;
 mod escape;
 mod export;
 mod focus;
+#[cfg(unix)]
+mod large_pages;
 mod merge;
 mod monitor;
 mod nav;
@@ -43,6 +45,8 @@ use crate::units::counted;
 pub use args::{Arguments, Command};
 pub use check::assess;
 pub use error::CliError;
+#[cfg(unix)]
+pub use large_pages::with_large_pages;
 pub use sea::sea_at;
 
 /// Runs the program.

@@ -24,9 +24,7 @@ use crate::geometry::lanes::LANES;
 use crate::paths::block::{Pair, Piece, Supports, TAPS, TURNED_LANES, Tile};
 use crate::radar::phasor::phasor;
 
-/// Numbers of cells that are added at once.
-const TOGETHER_ADDED: usize = 16;
-/// Cells that the first cells of the rows of a pulse may lie apart where they are added at once.
+/// Cells that the first cells of the rows of a pulse may lie apart where they are summed at once.
 const APART: usize = 4;
 /// What a row may be longer than the tile at its nodes, cells: waves move facets between these.
 const MORE_CELLS: f64 = 4.0;
@@ -104,7 +102,7 @@ impl Synth<f32> {
         let extent_s = tile.pairs[pair].extent_s(tile.count);
         let places = (extent_s * self.cells_per_s + MORE_CELLS).ceil() as usize;
         let places = places.min(self.shape.outside());
-        let (width, margin) = (self.settings.width, APART + TOGETHER_ADDED / 2);
+        let (width, margin) = (self.settings.width, APART);
         let cells = places + width;
         Shape { margin, places, cells, stride: (cells + 2 * margin + width).next_multiple_of(2) }
     }
@@ -223,27 +221,24 @@ impl Synth<f32> {
         let begins = least + rows.shifts[pulse];
         let by = phasor(rows.turns[pulse]);
         let by = [by.re as f32, by.im as f32];
-        let whole = length.next_multiple_of(TOGETHER_ADDED);
-        if let (Ok(begins), true, true) =
-            (usize::try_from(begins), apart <= APART, firsts.iter().all(Option::is_some))
-            && begins * lanes + whole <= self.shape.outside() * lanes
-        {
-            let held = rows.cells[index].as_slice();
+        let held = rows.cells[index].as_slice();
+        if apart <= APART && firsts.iter().all(Option::is_some) {
+            rows.sum.resize(length, 0.0);
             let row = |n: usize| {
                 let after = firsts[n].map_or(0, |first| (first - least) as usize);
-                &held[(from + n) * stride + (shape.margin - after) * lanes..][..whole]
+                &held[(from + n) * stride + (shape.margin - after) * lanes..][..length]
             };
-            let (rows, cells) = (std::array::from_fn(row), &mut cells[begins * lanes..][..whole]);
-            return self.variant.run(AddedAtOnce { rows, weights, by, cells });
-        }
-        rows.sum.clear();
-        rows.sum.resize(length, 0.0);
-        let held = rows.cells[index].as_slice();
-        for (n, (first, weight)) in firsts.iter().zip(weights).enumerate() {
-            let Some(first) = first else { continue };
-            let row = &held[(from + n) * stride + shape.margin * lanes..][..shape.cells * lanes];
-            let to = &mut rows.sum[(first - least) as usize * lanes..][..shape.cells * lanes];
-            self.variant.run(Weighted { row, weight: *weight, to });
+            let to = rows.sum.as_mut_slice();
+            self.variant.run(Summed { rows: std::array::from_fn(row), weights, to });
+        } else {
+            rows.sum.clear();
+            rows.sum.resize(length, 0.0);
+            for (n, (first, weight)) in firsts.iter().zip(weights).enumerate() {
+                let Some(first) = first else { continue };
+                let row = &held[(from + n) * stride + shape.margin * lanes..][..shape.cells * lanes];
+                let to = &mut rows.sum[(first - least) as usize * lanes..][..shape.cells * lanes];
+                self.variant.run(Weighted { row, weight: *weight, to });
+            }
         }
         // On the pulse's own grid, as much as lies on it.
         let skip = (-begins).max(0) as usize * lanes;
@@ -283,36 +278,27 @@ impl Task for FirstCell<'_> {
     }
 }
 
-/// Adds the weighted sum of rows, turned, to the cells of a pulse: multiples of [`TOGETHER_ADDED`].
-struct AddedAtOnce<'a> {
+/// The weighted sum of rows. What turns it is a task of its own: this loop stays whole vectors, whatever they
+/// are of.
+struct Summed<'a> {
     rows: [&'a [f32]; TAPS],
     weights: &'a [f32; TAPS],
-    by: [f32; 2],
-    cells: &'a mut [f32],
+    to: &'a mut [f32],
 }
 
-impl Task for AddedAtOnce<'_> {
+impl Task for Summed<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let ([cos, sin], weights) = (self.by, self.weights);
-        let rows = self.rows.map(|row| row.as_chunks::<TOGETHER_ADDED>().0);
-        let cells = self.cells.as_chunks_mut::<TOGETHER_ADDED>().0;
-        let count = rows.iter().map(|row| row.len()).fold(cells.len(), usize::min);
-        let rows = rows.map(|row| &row[..count]);
-        for (n, cells) in cells[..count].iter_mut().enumerate() {
-            let mut sum = [0.0f32; TOGETHER_ADDED];
-            for (row, weight) in rows.iter().zip(weights) {
-                for (sum, own) in sum.iter_mut().zip(&row[n]) {
-                    *sum += weight * own;
-                }
-            }
-            for lane in 0..TOGETHER_ADDED / 2 {
-                let (re, im) = (sum[2 * lane], sum[2 * lane + 1]);
-                cells[2 * lane] += re * cos - im * sin;
-                cells[2 * lane + 1] += re * sin + im * cos;
-            }
+        let Self { rows: [r0, r1, r2, r3, r4, r5, r6, r7, r8, r9], weights: w, to } = self;
+        let n = to.len();
+        let (r0, r1, r2, r3, r4) = (&r0[..n], &r1[..n], &r2[..n], &r3[..n], &r4[..n]);
+        let (r5, r6, r7, r8, r9) = (&r5[..n], &r6[..n], &r7[..n], &r8[..n], &r9[..n]);
+        for i in 0..n {
+            let before = w[0] * r0[i] + w[1] * r1[i] + w[2] * r2[i] + w[3] * r3[i] + w[4] * r4[i];
+            let after = w[5] * r5[i] + w[6] * r6[i] + w[7] * r7[i] + w[8] * r8[i] + w[9] * r9[i];
+            to[i] = before + after;
         }
     }
 }

@@ -26,7 +26,7 @@ const CELLS_PER_SAMPLE: f64 = 2.0;
 /// Cells that a tile has on the grid on top of its extent.
 const MORE_CELLS: f64 = 10.0;
 /// Time to find a pulse from supports, for each cell, over that of a facet at a pulse.
-const PER_CELL: f64 = 1.0;
+const PER_CELL: f64 = 0.5;
 /// What of a facet shadows may hide or uncover from update to update.
 const STEADY: f32 = 1e-3;
 /// A tile is wider than its first facet shows.

@@ -16,8 +16,9 @@ use super::slow_time::SlowTime;
 
 /// Supports from which a pulse is found.
 pub const TAPS: usize = 10;
-/// Pulses from support to support, inside of a block.
-const STEPS: [usize; 10] = [64, 48, 32, 24, 16, 12, 8, 4, 3, 2];
+/// Pulses from support to support, inside of a block, on average.
+const STEPS: [f64; 17] =
+    [64.0, 48.0, 36.0, 27.0, 20.0, 16.0, 12.5, 10.0, 8.0, 6.5, 5.2, 4.2, 3.4, 2.8, 2.3, 1.9, 1.6];
 /// What keeps the equations regular: of the power, far below what f32 leaves.
 const REGULAR: f64 = 1e-11;
 /// What of the bandwidth is taken where intervals differ.
@@ -55,17 +56,25 @@ impl Supports {
         (*first, weights)
     }
 
-    /// Places supports in a block, so many pulses apart and closer at its ends; says whether there are
-    /// enough of them, and few enough.
-    fn place(&mut self, pulses: usize, step: usize, slow: &SlowTime) -> bool {
+    /// Places supports in a block, on average no more than so many pulses apart and closer at its ends; says
+    /// whether there are enough of them, and few enough.
+    fn place(&mut self, pulses: usize, step: f64, slow: &SlowTime) -> bool {
         self.pulses.clear();
         let (last, mut before) = (pulses.saturating_sub(1), 0);
-        let from_end = |n: usize| step.min(1 + n / 2);
-        while before <= last / 2 {
+        loop {
             self.pulses.push(before);
-            before += from_end(self.pulses.len() - 1);
+            let gap = self.pulses.len();
+            if gap as f64 >= step || 2 * (before + gap) > last {
+                break;
+            }
+            before += gap;
         }
-        for n in (0..self.pulses.len()).rev() {
+        let (from_end, between) = (self.pulses.len(), last - 2 * before);
+        let gaps = (between as f64 / step).ceil() as usize;
+        for n in 1..gaps {
+            self.pulses.push(before + (n as f64 * between as f64 / gaps as f64).round() as usize);
+        }
+        for n in (0..from_end).rev() {
             let mirrored = last - self.pulses[n];
             if self.pulses.last().is_some_and(|held| *held < mirrored) {
                 self.pulses.push(mirrored);
@@ -76,7 +85,7 @@ impl Supports {
         self.pulses.len() >= TAPS && (self.pulses.len() as f64) < MOST_SUPPORTS * pulses as f64
     }
 
-    /// Finds the weights of every pulse for a bandwidth; returns the most that a pulse lacks of the power.
+    /// Finds the weights of so many pulses for a bandwidth; returns the most that a pulse lacks of the power.
     fn weigh(&mut self, pulses: usize, bandwidth: f64, slow: &SlowTime) -> f64 {
         self.bandwidth = bandwidth;
         self.taps.clear();
@@ -183,18 +192,22 @@ impl SupportSets {
     /// The widest bandwidth of each step, of equal intervals.
     fn bandwidths(&mut self, pulses: usize, loss: f64) -> [f64; STEPS.len()] {
         let (slow, mut found) = (SlowTime::default(), [0.0; STEPS.len()]);
+        let mut before = 0;
         for (step, widest) in STEPS.into_iter().zip(&mut found) {
             self.count = 0;
             let set = self.next();
-            // Some blocks end before their supports are so far apart.
-            let reached = |set: &Supports| set.pulses.windows(2).any(|pair| pair[1] - pair[0] == step);
-            if !(set.place(pulses, step, &slow) && reached(set)) {
+            // In short blocks far supports are all the same.
+            let placed = set.place(pulses, step, &slow);
+            if !placed || set.pulses.len() == before {
                 continue;
             }
-            let [mut low, mut high] = [0.0, 1.0 / step as f64];
-            for _ in 0..10 {
+            before = set.pulses.len();
+            let [mut low, mut high] = [0.0, 1.0 / step];
+            for _ in 0..8 {
                 let middle = 0.5 * (low + high);
-                if set.weigh(pulses, middle, &slow) <= loss { low = middle } else { high = middle }
+                // The other half mirrors this one.
+                let lacks = set.weigh(pulses.div_ceil(2), middle, &slow);
+                if lacks <= loss { low = middle } else { high = middle }
             }
             *widest = low;
         }
