@@ -13,8 +13,8 @@
 //! `n`, channel `c` come from the stream (seed, receiver noise, n, c), whatever was asked before and by whom.
 //!
 //! Of blocks that follow each other without a gap the noise has none either: white samples, 32 of them at
-//! either end those of the next block, pass the filter, `S[k] += H(f_k) sqrt(k T0 F / (2 fs)) W[k]` with `W` their
-//! transform.
+//! either end those of the next block, pass the filter, `S[k] += H(f_k) sqrt(k T0 F / (2 fs)) W[k]` with `W`
+//! their transform.
 //!
 //! Converter. Mid-rise, I and Q apart, saturating: with `b` bits and full scale `A` the step is
 //! `D = 2A/2^b`, the code `i = floor(x/D)` held in `[-2^(b-1), 2^(b-1) - 1]`, its value `(i + 1/2) D`.
