@@ -22,7 +22,8 @@ fn a_stream_is_recorded_exported_and_not_focused() {
     let at = |name: &str| folder.path().join(name).display().to_string();
     let scenario = package().join("configs/continuous.toml").display().to_string();
     let (recording, sigmf) = (at("rec"), at("out"));
-    let run = [&["run", &scenario, "--pace", "fast", "--out", &recording][..], &SMALL].concat();
+    let sink = format!("sink=[{{ kind = 'plain', path = '{recording}' }}]");
+    let run = [&["run", &scenario, "--pace", "fast", "--set", &sink][..], &SMALL].concat();
     let ended = nereus(folder.path(), &run);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     let meta: Value = serde_json::from_slice(&fs::read(at("rec/meta.json")).unwrap()).unwrap();
