@@ -132,8 +132,8 @@ pub(super) fn least_share(share_of_pulses: f64) -> f64 {
     share_of_pulses.max(1.0 / PULSES as f64)
 }
 
-/// Pulses of a segment of what is emitted apart from them: no longer than blocks of emissions are planned, and
-/// than grids have room for.
+/// Pulses of a segment of what is emitted apart from them: no longer than blocks of emissions are planned,
+/// and than grids have room for.
 pub(super) fn segment_apart(
     plan: Option<&Plan>,
     scene: &Scene,

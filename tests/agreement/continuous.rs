@@ -118,8 +118,8 @@ fn off_db(found: &[Complex64], expected: &[Complex64]) -> f64 {
 }
 
 /// The direct path of a carrier without pauses between antennas that rest, `sqrt(P g) lambda/(4 pi d)
-/// e^{-j 2 pi f d/c}`, and of a second one 3.7 MHz above it: over all blocks, whatever their length and that of
-/// the pulses, and without a step where one ends and the next begins.
+/// e^{-j 2 pi f d/c}`, and of a second one 3.7 MHz above it: over all blocks, whatever their length and that
+/// of the pulses, and without a step where one ends and the next begins.
 #[test]
 fn a_carrier_is_one_tone_over_all_blocks() {
     let (offset_hz, power_w, distance_m) = (3.7e6, 5.0f64, 5000.0);
