@@ -207,16 +207,19 @@ impl PulseTimes {
         if !(prf_hz.is_finite() && (1e-3..=1e9).contains(&prf_hz)) {
             return Err(TimeError::Prf { prf_hz });
         }
-        // prf = mantissa 2^exponent, exactly.
-        let bits = prf_hz.to_bits();
-        let mut exponent = ((bits >> 52) & 0x7ff) as i32 - 1075;
-        let mut mantissa = u128::from((bits & ((1 << 52) - 1)) | (1 << 52));
-        let zeros = mantissa.trailing_zeros();
-        mantissa >>= zeros;
-        exponent += zeros as i32;
-        let (numerator, denominator) =
-            if exponent >= 0 { (1, mantissa << exponent) } else { (1u128 << -exponent, mantissa) };
+        let (numerator, denominator) = period(prf_hz);
         Ok(Self(Rhythm::Uniform { prf_hz, numerator, denominator }))
+    }
+
+    /// Blocks of so many samples that follow each other without a gap, exactly.
+    ///
+    /// # Errors
+    /// Blocks shorter than 1 ns or longer than 1000 s.
+    pub fn blocks(samples: usize, sample_rate_hz: f64) -> Result<Self, TimeError> {
+        let prf_hz = sample_rate_hz / samples as f64;
+        Self::uniform(prf_hz)?;
+        let (numerator, denominator) = period(sample_rate_hz);
+        Ok(Self(Rhythm::Uniform { prf_hz, numerator: numerator * samples as u128, denominator }))
     }
 
     /// A repeating sequence of pulse repetition intervals, seconds; each is rounded once to an
@@ -318,6 +321,18 @@ impl PulseTimes {
     }
 }
 
+/// Numerator and denominator of `1 / hz`, s, exactly.
+fn period(hz: f64) -> (u128, u128) {
+    // hz = mantissa 2^exponent.
+    let bits = hz.to_bits();
+    let mut exponent = ((bits >> 52) & 0x7ff) as i32 - 1075;
+    let mut mantissa = u128::from((bits & ((1 << 52) - 1)) | (1 << 52));
+    let zeros = mantissa.trailing_zeros();
+    mantissa >>= zeros;
+    exponent += zeros as i32;
+    if exponent >= 0 { (1, mantissa << exponent) } else { (1u128 << -exponent, mantissa) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -335,6 +350,17 @@ mod tests {
             let pri = times.interval_s(1_000_000_000, 1_000_000_001);
             assert!((pri * prf_hz - 1.0).abs() <= 4e-16 * prf_hz.max(1.0), "{prf_hz}: {pri}");
         }
+    }
+
+    #[test]
+    fn blocks_follow_each_other_exactly() {
+        let (zero, times) = (TimeTag::default(), PulseTimes::blocks(768, 40e6 / 3.0).unwrap());
+        let samples = PulseTimes::uniform(40e6 / 3.0).unwrap();
+        for n in [0, 1, 7, 1_000_003, 10_000_000_000] {
+            assert_eq!(times.emission(zero, n), samples.emission(zero, 768 * n));
+        }
+        assert!((times.mean_prf_hz() * times.mean_pri_s() - 1.0).abs() < 1e-15);
+        assert!(PulseTimes::blocks(0, 1e6).is_err() && PulseTimes::blocks(1 << 24, 1e3).is_err());
     }
 
     #[test]

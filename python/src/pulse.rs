@@ -334,6 +334,7 @@ pub(crate) fn described<'py>(py: Python<'py>, header: &Header) -> PyResult<Bound
     dict.set_item("bandwidth_hz", header.bandwidth_hz)?;
     dict.set_item("pulse_s", header.pulse_s)?;
     dict.set_item("prf_hz", header.prf_hz)?;
+    dict.set_item("continuous", header.is_continuous())?;
     dict.set_item("channels", channels)?;
     dict.set_item("samples", header.layout.samples)?;
     dict.set_item("pairs", pairs)?;

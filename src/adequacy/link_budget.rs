@@ -135,8 +135,8 @@ pub fn link_budget(prepared: &Prepared) -> Result<LinkBudget, BuildErrors> {
     let antennas = open_all(radar)?;
     let noise_bandwidth_hz = ReceiveFilter::new(radar.sample_rate_hz).noise_bandwidth_hz();
     let noise_w = radar.noise_figure_db.map(|db| thermal_noise_w(noise_bandwidth_hz, Decibels(db)));
-    let prf_hz = radar.emissions.mean_prf_hz() * least_share(radar);
-    let interval_s = radar.emissions.shortest_pri_s();
+    let prf_hz = radar.sends().mean_prf_hz() * least_share(radar);
+    let interval_s = radar.sends().shortest_pri_s();
     let mut budget = LinkBudget {
         antennas: mounts(radar)
             .zip(&antennas)

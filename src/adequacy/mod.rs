@@ -232,7 +232,7 @@ fn assess<'a>(
         for point in &points {
             let delay_s = ends.iter().map(|end| (*end - *point).norm()).sum::<f64>() / SPEED_OF_LIGHT_MPS;
             patch_s = [patch_s[0].min(delay_s), patch_s[1].max(delay_s)];
-            held += usize::from(window.receives(delay_s, interval_s));
+            held += usize::from(radar.sent.is_some() || window.receives(delay_s, interval_s));
         }
     }
     let share = held as f64 / (ends.len() * points.len()) as f64;

@@ -121,7 +121,7 @@ impl Assessment {
     fn plan(&mut self, run: &Run, stream: &PulseStream) {
         let Some(planned) = stream.factory().plan() else { return };
         let speed = stream.threads() as f64 / CostTable::TABLE.seconds(&planned.work);
-        let factor = speed / run.scene.radar.emissions.mean_prf_hz();
+        let factor = speed / run.scene.radar.sends().mean_prf_hz();
         self.warnings.extend(not_kept(planned));
         for row in self.models.with.iter_mut().filter(|row| row.what == ECHO) {
             row.how = echo_text(planned);

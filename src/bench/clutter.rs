@@ -64,6 +64,15 @@ pub enum ClutterError {
         /// What is wrong.
         source: SampleFault,
     },
+    /// Blocks of samples in place of pulses.
+    #[error(
+        "{}: an image takes a window for every pulse; allowed: radar.window.gate = \"windowed\"",
+        shown(path)
+    )]
+    Continuous {
+        /// The scenario.
+        path: PathBuf,
+    },
     /// Pulses that do not fit in memory.
     #[error(
         "{}: {pulses} pulses are {needed_mib} MiB of samples, {available_mib} MiB are free; allowed: a shorter scene.duration_s or fewer channels",
@@ -170,6 +179,9 @@ impl Winds {
     pub fn new(run: &Run, sea: &Sea, channel: usize, most: [usize; 2]) -> Result<Self, ClutterError> {
         if sea.place != PatchPlace::Fixed {
             return Err(ClutterError::Follows { path: run.path.clone() });
+        }
+        if run.scene.radar.sent.is_some() {
+            return Err(ClutterError::Continuous { path: run.path.clone() });
         }
         let mut run = noiseless(run);
         // Nothing waits to be released in time.

@@ -71,6 +71,7 @@ choices! {
     PatchKind { Fixed = "fixed", Follow = "follow" }
     AimKind { At = "at", Beside = "beside" }
     WaveformKind { Lfm = "lfm", File = "file" }
+    GateKind { Windowed = "windowed", Continuous = "continuous" }
     TxKind { Simultaneous = "simultaneous", Alternating = "alternating" }
     SignalKind { Tone = "tone", Loopback = "loopback" }
     PatternKind { Isotropic = "isotropic", Rectangle = "rectangle", Ellipse = "ellipse", Circle = "circle", File = "file" }

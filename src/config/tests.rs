@@ -17,6 +17,7 @@ mod hostile;
 mod receivers;
 mod refused;
 mod changes;
+mod continuous;
 mod live;
 mod names;
 mod navigation;

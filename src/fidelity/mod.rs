@@ -120,6 +120,22 @@ impl Prediction {
         self.parts().iter().map(|(_, part)| part).sum()
     }
 
+    /// The same over the mean of pulses of which such a share receives what all of it is predicted of.
+    pub(crate) fn over_share(self, share: f64) -> Self {
+        let PredictedError { gridding, doppler, rounding } = self.echo;
+        let [gridding, doppler, rounding] = [gridding, doppler, rounding].map(|part| part / share);
+        Self {
+            echo: PredictedError { gridding, doppler, rounding },
+            in_flight: self.in_flight / share,
+            path: self.path / share,
+            tilt: self.tilt / share,
+            gain: self.gain / share,
+            culled: self.culled / share,
+            between: self.between / share,
+            ..self
+        }
+    }
+
     /// What is predicted, a ratio of powers.
     pub fn total(&self) -> f64 {
         self.dry_run.map_or_else(|| self.modelled(), |run| run.error).max(self.emitters)

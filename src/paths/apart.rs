@@ -15,6 +15,8 @@ use super::{InAir, PathGenerator, Workspace, pair_plans};
 use crate::motion::PlatformTracks;
 use crate::paths::list::ScattererPaths;
 use crate::paths::sea::Drawn;
+use crate::pulse::Pulse;
+use crate::pulse::costs::Stage;
 use crate::radar::fault::RadarError;
 use crate::radar::window::Window;
 use crate::scene::radar::{Channel, TxPolarisation};
@@ -29,6 +31,8 @@ pub(super) struct Apart {
     pulses: u64,
     /// Carrier of the emitter above that of the receivers, Hz.
     offset_hz: f64,
+    /// Whether what is emitted is the radar's own, so that its pulses have records.
+    own: bool,
 }
 
 impl Apart {
@@ -42,6 +46,7 @@ impl Apart {
 pub(crate) fn received_by(emitter: &Emitter, radar: &Radar) -> Radar {
     let mut heard = radar.clone();
     heard.emitters.clear();
+    heard.sent = None;
     heard.transmitters.push(emitter.transmitter.clone());
     heard.carrier_hz = emitter.carrier_hz;
     heard.waveform = emitter.waveform.clone();
@@ -63,10 +68,7 @@ pub(crate) fn received_by(emitter: &Emitter, radar: &Radar) -> Radar {
 /// The scene of an emitter as the radar of another receives it: its emissions are the pulses, up to so long
 /// after the radar's last.
 pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter, after_s: f64) -> Scene {
-    let last_s = scene.radar.emissions.interval_s(0, scene.pulses.saturating_sub(1));
-    // That at the very last instant among them.
-    let pulses =
-        if scene.pulses > 0 { emitter.emissions.count_within((last_s + after_s).next_up()) } else { 0 };
+    let pulses = emitted_until(scene, &emitter.emissions, after_s);
     let mut own = Scene { radar: received_by(emitter, &scene.radar), pulses, ..scene.clone() };
     if !emitter.echo {
         own.sea = None;
@@ -76,7 +78,47 @@ pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter, after_s: f64) -> Scene 
     own
 }
 
+/// How many emissions of a train there are up to so long after the last pulse of a scene, that at the very
+/// last instant among them.
+fn emitted_until(scene: &Scene, train: &PulseTimes, after_s: f64) -> u64 {
+    let last_s = scene.radar.emissions.interval_s(0, scene.pulses.saturating_sub(1));
+    if scene.pulses > 0 { train.count_within((last_s + after_s).next_up()) } else { 0 }
+}
+
+/// The scene of a radar that receives continuously, as it radiates: its emissions are the pulses, to the end
+/// of the last block or where it begins. `None` for one with windows.
+pub(crate) fn sent_by(scene: &Scene, to_the_end: bool) -> Option<Scene> {
+    let mut radar = scene.radar.clone();
+    radar.emissions = radar.sent.take()?;
+    let block_s = radar.window.samples as f64 / radar.sample_rate_hz;
+    let pulses = emitted_until(scene, &radar.emissions, if to_the_end { block_s } else { 0.0 });
+    Some(Scene { radar, pulses, ..scene.clone() })
+}
+
 impl PathGenerator {
+    /// What a radar that receives continuously takes of its own emissions, whose scene is `own`
+    /// ([`sent_by`]).
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub(crate) fn continuous(
+        scene: &Scene,
+        own: &Scene,
+        pulse_length_s: f64,
+        tracks: Vec<PlatformTracks>,
+        drawn: Drawn<'_>,
+    ) -> Result<Self, RadarError> {
+        let built = Self::on(own, pulse_length_s, tracks, drawn)?;
+        Ok(built.in_pulses_of(scene, 0.0, true))
+    }
+
+    /// The same with the pulses of another scene.
+    fn in_pulses_of(self, scene: &Scene, offset_hz: f64, own: bool) -> Self {
+        let (times, pulses) = (scene.radar.emissions.clone(), scene.pulses);
+        let apart = Some(Apart { times, pulses, offset_hz, own });
+        Self { in_air: InAir::of_others(), apart, ..self }
+    }
+
     /// What the receivers of a scene's radar take of an emitter, whose scene is `own` ([`scene_of`]).
     ///
     /// # Errors
@@ -91,10 +133,7 @@ impl PathGenerator {
         let mut built = Self::on(own, pulse_length_s, tracks, drawn)?;
         built.leads = scene.radar.window_leads();
         built.plans = pair_plans(&built.radar, &built.pairs, built.leads.len(), &built.channel_pairs);
-        built.in_air = InAir::of_others();
-        let (times, offset_hz) = (scene.radar.emissions.clone(), emitter.carrier_hz - scene.radar.carrier_hz);
-        built.apart = Some(Apart { times, pulses: scene.pulses, offset_hz });
-        Ok(built)
+        Ok(built.in_pulses_of(scene, emitter.carrier_hz - scene.radar.carrier_hz, false))
     }
 
     /// Whether pulses are not those emitted.
@@ -112,10 +151,36 @@ impl PathGenerator {
         self.apart.as_ref().map_or(self.pulses, |apart| apart.pulses)
     }
 
+    /// When pulses are.
+    pub(super) fn pulse_times(&self) -> &PulseTimes {
+        self.apart.as_ref().map_or(&self.radar.emissions, |apart| &apart.times)
+    }
+
+    /// Mean interval of its pulses, s.
+    pub(crate) fn mean_pulse_interval_s(&self) -> f64 {
+        self.pulse_times().mean_pri_s()
+    }
+
     /// When a pulse is, from whose emission its windows count.
     pub(super) fn pulse_time(&self, index: u64) -> TimeTag {
-        let times = self.apart.as_ref().map_or(&self.radar.emissions, |apart| &apart.times);
-        times.emission(self.start, index)
+        self.pulse_times().emission(self.start, index)
+    }
+
+    /// Fills the record of a pulse that is not one of those emitted, if they are the radar's own: truth is
+    /// that of what leaves at the pulse.
+    pub(super) fn fill_record_apart(
+        &self,
+        index: u64,
+        workspace: &mut Workspace,
+        record: &mut Pulse,
+    ) -> Result<(), RadarError> {
+        let Some(Apart { times, own: true, .. }) = &self.apart else { return Ok(()) };
+        let own = &mut workspace.own;
+        own.evaluate(&self.circumstances(), index, self.pulse_time(index), times.interval_s(0, index))
+            .map_err(|failure| self.track_error(index, failure))?;
+        self.fill_record(index, own, record)?;
+        workspace.costs.lap(Stage::Record);
+        Ok(())
     }
 
     /// From a pulse to an emission, s.
@@ -129,7 +194,7 @@ impl PathGenerator {
     }
 
     /// The emission at a pulse, or the first after it.
-    pub(super) fn emission_at(&self, index: u64) -> u64 {
+    pub(crate) fn emission_at(&self, index: u64) -> u64 {
         match &self.apart {
             None => index,
             Some(_) => self.first_emission(index, 0.0).min(self.pulses.saturating_sub(1)),

@@ -144,7 +144,7 @@ use crate::sea::realise::realise;
 use crate::time::TimeTag;
 
 use crate::radar::window::{GUARD_SAMPLES, Window};
-pub(crate) use apart::scene_of;
+pub(crate) use apart::{scene_of, sent_by};
 use facets::Reception;
 use received::InAir;
 pub use received::{MOST_RECEIVED, Received};
@@ -412,8 +412,8 @@ impl PathGenerator {
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,
     /// transmit polarisation, navigation, phase centres, target truth and flags of `record` (its samples
     /// are left alone; flags are replaced, with [`flags::OUTSIDE_WINDOW`] when an echo of this very
-    /// emission lies partly or wholly outside the window; the direct path counts as any other echo). Where
-    /// pulses are not those emitted, only `paths`: the record has its windows.
+    /// emission lies partly or wholly outside the window; the direct path counts as any other echo). Of
+    /// an emitter only `paths`: the record has its windows.
     ///
     /// # Errors
     /// A pulse outside of the run, or that its tracks do not cover; a sea or shadows that cannot be found at
@@ -430,6 +430,7 @@ impl PathGenerator {
         }
         paths.clear();
         if self.is_apart() {
+            self.fill_record_apart(index, workspace, record)?;
             self.append_received(index, record.window_starts_s(), workspace, paths)?;
             workspace.costs.lap(Stage::ScattererPaths);
             return Ok(());

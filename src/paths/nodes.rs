@@ -71,7 +71,7 @@ impl PathGenerator {
     }
 
     /// Index, time, window start, navigation, phase centres and target truth of a pulse, without its
-    /// scatterer paths; see [`Self::pulse`]. Nothing, where pulses are not those emitted.
+    /// scatterer paths; see [`Self::pulse`]. Nothing of an emitter.
     ///
     /// # Errors
     /// A pulse outside of the run, or that its tracks do not cover.
@@ -85,7 +85,7 @@ impl PathGenerator {
             return Err(RadarError::NoSuchPulse { index, pulses: self.receiving_pulses() });
         }
         if self.is_apart() {
-            return Ok(());
+            return self.fill_record_apart(index, workspace, record);
         }
         let Workspace { own, amplitude, ships, costs, windows, .. } = workspace;
         self.evaluate(index, own)?;

@@ -57,7 +57,7 @@ impl PathGenerator {
         let gates = self.leads.iter().map(|lead| self.radar.gate(lead.receiver));
         let opens_s = gates.map(opens_s).fold(0.0, f64::max);
         let after_s = 2.0 * (self.axes_span_s + self.pulse_length_s) + opens_s + window_s + GUARD_S;
-        self.radar.emissions.emission(self.start, index.saturating_add(2)).plus(after_s)
+        self.pulse_time(index.saturating_add(2)).plus(after_s)
     }
 
     /// The part of a block of pulses, about one of them, in which no report jumps that something is aimed by,
@@ -88,9 +88,12 @@ impl PathGenerator {
                 for one in given {
                     // What a servo sees at once it sees at that very pulse, and while others are in the air.
                     if lag_s == 0.0 {
-                        let sees_s = self.radar.emissions.interval_s(0, one.pulse) - self.axes_span_s;
-                        cut(self.first_from(&block, sees_s - TIE_S).min(one.pulse));
-                        cut(one.pulse);
+                        let at_s = self.pulse_times().interval_s(0, one.pulse);
+                        let sees_s = at_s - self.axes_span_s;
+                        let first =
+                            if self.is_apart() { self.first_from(&block, at_s - TIE_S) } else { one.pulse };
+                        cut(self.first_from(&block, sees_s - TIE_S).min(first));
+                        cut(first);
                     }
                     let ends_s = match one.change {
                         Change::Dropout { seconds } => Some(one.t_s + seconds),
@@ -136,10 +139,11 @@ impl PathGenerator {
     /// The first pulse whose reports nothing asks for that has to do with pulses up to `made`.
     pub fn first_untouched(&self, made: u64) -> u64 {
         let ahead_s = self.asks_ahead_s(made);
-        let (mut low, mut high) = (made.saturating_add(1), self.pulses.max(made.saturating_add(1)));
+        let next = made.saturating_add(1);
+        let (mut low, mut high) = (next, self.receiving_pulses().max(next));
         while low < high {
             let middle = low + (high - low) / 2;
-            if self.radar.emissions.interval_s(made, middle) <= ahead_s {
+            if self.pulse_times().interval_s(made, middle) <= ahead_s {
                 low = middle + 1;
             } else {
                 high = middle;

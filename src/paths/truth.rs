@@ -22,11 +22,13 @@ impl PathGenerator {
         own: &Emission,
         record: &mut Pulse,
     ) -> Result<(), RadarError> {
-        let t = self.radar.emissions.emission(self.start, index);
+        let t = self.pulse_time(index);
         record.index = index;
         record.time = t;
         record.flags = 0;
-        record.tx_pol = self.radar.tx_polarisation.of_pulse(index).map_or(0, Polarisation::code);
+        // A block of samples receives emissions of any.
+        let tx_pol = self.radar.tx_polarisation.of_pulse(index).filter(|_| !self.is_apart());
+        record.tx_pol = tx_pol.map_or(0, Polarisation::code);
         record.nav_arrived = None;
         for ((slot, state), tracks) in record.nav_true.iter_mut().zip(&own.states).zip(&self.tracks) {
             *slot = navigation(state);

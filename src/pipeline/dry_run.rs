@@ -21,6 +21,7 @@ use std::sync::Arc;
 use num_complex::Complex32;
 
 use super::engines;
+use super::overheard::{least_share, segment_apart, share_of_pulses};
 use super::stages::PulseFactory;
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
@@ -70,9 +71,13 @@ pub(crate) fn plan(
     asked: &Asked,
 ) -> Result<Plan, BuildErrors> {
     let mut chooser = Chooser::new(scene, generator, waveform, asked)?;
+    // A pulse is judged by the mean of all, of which few may receive anything.
+    let share = if generator.is_apart() { least_share(share_of_pulses(generator, generator)?) } else { 1.0 };
+    let finer = |error_db: f64| (error_db + 10.0 * share.log10()).max(EXACT_DB.min(error_db));
     let choose = |chooser: &mut Chooser<'_>, error_db: f64, node_pulses: Option<u64>| {
-        let plan = chooser.choose(&Asked { error_db, node_pulses, ..*asked })?;
-        Ok::<_, BuildErrors>(Plan { asked: *asked, ..plan })
+        let plan = chooser.choose(&Asked { error_db: finer(error_db), node_pulses, ..*asked })?;
+        let prediction = plan.prediction.over_share(share);
+        Ok::<_, BuildErrors>(Plan { asked: *asked, prediction, ..plan })
     };
     let first = choose(&mut chooser, asked.error_db, asked.node_pulses)?;
     let chosen = Chosen::of(scene, generator, first.chosen.block_pulses(generator.hold_pulses()));
@@ -81,8 +86,9 @@ pub(crate) fn plan(
         return Ok(first);
     }
     let exact = (asked.error_db - FINER_DB).max(EXACT_DB);
-    let exact = Asked { node_pulses: Some(1), ..Asked::error_db(exact) };
+    let exact = Asked { node_pulses: Some(1), ..Asked::error_db(finer(exact)) };
     let exact = chooser.choose(&exact)?;
+    let exact = Plan { prediction: exact.prediction.over_share(share), ..exact };
     let Some(trial) = Trial::new(scene, generator, waveform, chosen, &exact)? else { return Ok(first) };
     let (mut tried, mut target_db) = (first, asked.error_db);
     let mut best: Option<Plan> = None;
@@ -144,7 +150,7 @@ impl Chosen {
     fn of(scene: &Scene, generator: &PathGenerator, block: u64) -> Self {
         let each = (generator.facets() * generator.pairs().len()) as u64;
         let count = FACET_PULSES.checked_div(each).unwrap_or(0);
-        let all = scene.pulses;
+        let all = generator.receiving_pulses();
         if all <= count {
             return Self { pulses: (0..all).collect(), spread: vec![true; all as usize], all: true };
         }
@@ -199,7 +205,9 @@ impl<'a> Trial<'a> {
     /// The pulses by a plan.
     fn samples(&self, plan: &Plan) -> Result<Option<Vec<Vec<Complex32>>>, BuildErrors> {
         let (scene, radar) = (self.scene, &self.radar);
-        let echo = engines::engine(Some(plan), radar, None, self.generator, self.waveform)?;
+        let segment = || segment_apart(Some(plan), scene, self.generator, self.waveform.as_ref());
+        let segment = self.generator.is_apart().then(segment);
+        let echo = engines::engine(Some(plan), radar, segment, self.generator, self.waveform)?;
         let (generator, waveform) = (self.generator.clone(), Arc::clone(self.waveform));
         let factory = PulseFactory::new((echo, None), (scene, radar), generator, waveform);
         let (mut slot, mut worker) = (factory.slot(), factory.worker());
@@ -235,7 +243,10 @@ impl<'a> Trial<'a> {
     fn judged(&self, mut plan: Plan, tries: u32) -> Result<Option<Plan>, BuildErrors> {
         let Some(samples) = self.samples(&plan)? else { return Ok(None) };
         let errors: Vec<f64> = samples.iter().zip(&self.exact).map(|(a, b)| self.error(a, b)).collect();
-        let found = worst_of_run(&errors, if self.chosen.all { None } else { Some(self.scene.pulses) });
+        let found = worst_of_run(
+            &errors,
+            if self.chosen.all { None } else { Some(self.generator.receiving_pulses()) },
+        );
         let prediction = &mut plan.prediction;
         let both = self.own + prediction.echo.doppler + prediction.echo.rounding;
         let found = found * 10f64.powf(0.1 * MORE_DB) + both;

@@ -12,8 +12,8 @@ use crate::paths::PathGenerator;
 use crate::radar::waveform::Waveform;
 use crate::scene::Radar;
 
-/// The engine of a plan, or the reference: of a radar's own pulses, or, in segments of so many, of what it
-/// receives besides.
+/// The engine of a plan, or the reference: of a radar's own pulses, or, in segments of so many, of what is
+/// emitted apart from them.
 ///
 /// # Errors
 /// Settings that the fast echo refuses.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::dry_run;
 use super::engines;
 use super::fault::BuildErrors;
-use super::overheard::{self, Overheard};
+use super::overheard::{self, Overheard, segment_apart};
 use super::prepared::Files;
 use super::stages::PulseFactory;
 use crate::echo::Fidelity;
@@ -53,16 +53,21 @@ pub(super) fn with_files(
     let radar = &scene.radar;
     let drawn = |sea: &Sea| files.sea(sea, scene.seed).cloned();
     let others = overheard::emitting(scene, &tracks, &drawn)?;
-    let generator = PathGenerator::on(scene, waveform.duration_s(), tracks, &drawn)?;
+    let sent = overheard::continuous(scene, waveform.duration_s(), &tracks, &drawn)?;
+    let (own, generator) = match &sent {
+        Some((own, generator)) => (own, generator.clone()),
+        None => (scene, PathGenerator::on(scene, waveform.duration_s(), tracks, &drawn)?),
+    };
     let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
     let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
     let clocks = clocks.map(Arc::new);
     let generator = generator.with_clocks(clocks.clone());
     let plan = match fidelity {
         Fidelity::Reference => None,
-        Fidelity::Fast(asked) => Some(dry_run::plan(scene, &generator, &waveform, asked)?),
+        Fidelity::Fast(asked) => Some(dry_run::plan(own, &generator, &waveform, asked)?),
     };
-    let echo = engines::engine(plan.as_ref(), radar, None, &generator, &waveform)?;
+    let segment = sent.is_some().then(|| segment_apart(plan.as_ref(), own, &generator, waveform.as_ref()));
+    let echo = engines::engine(plan.as_ref(), radar, segment, &generator, &waveform)?;
     let segment = echo.segment_pulses();
     let others: Vec<Overheard> = others
         .into_iter()

@@ -26,13 +26,15 @@ use crate::fidelity::budget::{EXACT_DB, Plan};
 use crate::fidelity::choose::{Chooser, most_pulses};
 use crate::fidelity::probe::spread_over;
 use crate::motion::PlatformTracks;
-use crate::paths::{Drawn, PathGenerator, scene_of};
+use crate::paths::{Drawn, PathGenerator, scene_of, sent_by};
 use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::clock::RunningClocks;
+use crate::radar::fault::RadarError;
 use crate::radar::waveform::{self, Offset, Waveform};
 use crate::scene::radar::{Channel, Gate};
 use crate::scene::{Emitter, Radar, Scene};
+use crate::time::PulseTimes;
 
 /// Pulses of which it is found whether they receive an emitter.
 const PULSES: u64 = 512;
@@ -81,7 +83,7 @@ fn one(
     let radar = &scene.radar;
     let own = scene_of(scene, emitter, after_s);
     let waveform = waveform::from_description(&emitter.waveform)?;
-    check(emitter, waveform.duration_s(), window_s(radar))?;
+    check((&emitter.transmitter.name, &emitter.emissions), waveform.duration_s(), window_s(radar))?;
     let offset_hz = emitter.carrier_hz - radar.carrier_hz;
     let waveform: Arc<dyn Waveform> = Arc::new(Offset::new(waveform, offset_hz));
     let pulse_s = waveform.duration_s();
@@ -96,8 +98,8 @@ fn window_s(radar: &Radar) -> f64 {
 }
 
 /// Refuses pulses that overlap each other, and more of them in a window than anybody would wait for.
-fn check(emitter: &Emitter, pulse_s: f64, window_s: f64) -> Result<(), BuildError> {
-    let (name, interval_s) = (emitter.transmitter.name.clone(), emitter.emissions.shortest_pri_s());
+fn check((name, train): (&str, &PulseTimes), pulse_s: f64, window_s: f64) -> Result<(), BuildError> {
+    let (name, interval_s) = (name.to_owned(), train.shortest_pri_s());
     if pulse_s > interval_s * (1.0 + 1e-9) {
         return Err(BuildError::EmitterOverlaps { name, pulse_s, interval_s });
     }
@@ -116,6 +118,55 @@ fn channels_of(radar: &Radar, own: &Radar) -> Vec<Vec<usize>> {
         radar.channels.iter().enumerate().filter(same).map(|(place, _)| place).collect()
     };
     own.channels.iter().map(of).collect()
+}
+
+/// Share of the pulses that receive what is emitted apart from them, in windows as those of `radar`.
+pub(super) fn share_of_pulses(generator: &PathGenerator, radar: &PathGenerator) -> Result<f64, RadarError> {
+    let pulses = generator.receiving_pulses();
+    let at: Vec<u64> = spread_over(pulses, PULSES.min(pulses), 1).collect();
+    generator.share_of_pulses_reached(radar, &at)
+}
+
+/// No pulses that were looked at are no share at all.
+pub(super) fn least_share(share_of_pulses: f64) -> f64 {
+    share_of_pulses.max(1.0 / PULSES as f64)
+}
+
+/// Pulses of a segment of what is emitted apart from them: no longer than blocks of emissions are planned,
+/// and than grids have room for.
+pub(super) fn segment_apart(
+    plan: Option<&Plan>,
+    scene: &Scene,
+    generator: &PathGenerator,
+    waveform: &dyn Waveform,
+) -> u64 {
+    let own = plan.map_or(1, |plan| plan.chosen.block_pulses(generator.hold_pulses()));
+    let most = (own as f64 * generator.mean_pri_s() / generator.mean_pulse_interval_s()) as u64;
+    most.min(most_pulses(scene, generator, waveform)).max(1)
+}
+
+/// A radar that receives continuously, as it radiates: its scene and its paths ([`sent_by`]). `None` for one
+/// with windows.
+///
+/// # Errors
+/// Pulses that overlap each other or crowd a block, faults of antennas and tracks.
+pub(super) fn continuous(
+    scene: &Scene,
+    pulse_s: f64,
+    tracks: &[PlatformTracks],
+    drawn: Drawn<'_>,
+) -> Result<Option<(Scene, PathGenerator)>, BuildErrors> {
+    let radar = &scene.radar;
+    if let (Some(sent), Some(transmitter)) = (&radar.sent, radar.transmitters.first()) {
+        check((&transmitter.name, sent), pulse_s, window_s(radar))?;
+    }
+    let until = |to_the_end| {
+        let Some(own) = sent_by(scene, to_the_end) else { return Ok(None) };
+        let made = PathGenerator::continuous(scene, &own, pulse_s, tracks.to_vec(), drawn)?;
+        Ok::<_, BuildErrors>(Some((own, made)))
+    };
+    // Where tracks end before the last block does, until it begins.
+    until(true).or_else(|_| until(false))
 }
 
 /// What receivers take of an emitter. Immutable, shared by all threads.
@@ -143,13 +194,11 @@ impl Emitting {
         clocks: Option<Arc<RunningClocks>>,
     ) -> Result<Overheard, BuildErrors> {
         let Self { name, scene, generator, waveform, channels, offset_hz } = self;
-        let pulses = generator.receiving_pulses();
-        let at: Vec<u64> = spread_over(pulses, PULSES.min(pulses), 1).collect();
-        let share_of_pulses = generator.share_of_pulses_reached(radar, &at)?;
+        let share_of_pulses = share_of_pulses(&generator, radar)?;
         let plan = match fidelity {
             Fidelity::Reference => None,
             Fidelity::Fast(asked) => {
-                let seldom_db = 10.0 * share_of_pulses.max(1.0 / PULSES as f64).log10();
+                let seldom_db = 10.0 * least_share(share_of_pulses).log10();
                 let one_by_one = asked.node_pulses.filter(|pulses| *pulses <= 1);
                 let error_db = (asked.error_db - FINER_DB + seldom_db).max(EXACT_DB.min(asked.error_db));
                 let asked =
@@ -160,10 +209,8 @@ impl Emitting {
         // Delays turn the receiver's carrier: what the emitter's has more is in waveform and paths.
         let carrier_hz = scene.radar.carrier_hz - offset_hz;
         let received = Radar { carrier_hz, ..scene.radar.clone() };
-        // No longer than its own blocks are planned, and than its grids have room: a part of the radar's.
-        let own = plan.map_or(1, |plan| plan.chosen.block_pulses(generator.hold_pulses()));
-        let most = (own as f64 * generator.mean_pri_s() / radar.mean_pri_s()) as u64;
-        let most = most.min(most_pulses(&scene, &generator, waveform.as_ref()));
+        // A part of the radar's.
+        let most = segment_apart(plan.as_ref(), &scene, &generator, waveform.as_ref());
         let segment = (1..=segment).rev().find(|n| segment.is_multiple_of(*n) && *n <= most).unwrap_or(1);
         let engine = engines::engine(plan.as_ref(), &received, Some(segment), &generator, &waveform)?;
         let generator = generator.with_clocks(clocks);
@@ -180,8 +227,7 @@ impl Overheard {
 
     /// Its error over what a pulse has of it on average, a ratio of powers; 0 of the reference.
     pub fn error(&self) -> f64 {
-        let seldom = self.share_of_pulses.max(1.0 / PULSES as f64);
-        self.plan.map_or(0.0, |plan| plan.prediction.total() / seldom)
+        self.plan.map_or(0.0, |plan| plan.prediction.total() / least_share(self.share_of_pulses))
     }
 
     /// Grids of one worker, bytes.

@@ -51,7 +51,7 @@ pub(super) fn faults(prepared: &Prepared) -> Vec<BuildError> {
         }
     }
     if let (Waveform::Samples { path, .. }, Ok(waveform)) = (&scene.radar.waveform, prepared.waveform()) {
-        let (pulse_s, pri_s) = (waveform.duration_s(), scene.radar.emissions.shortest_pri_s());
+        let (pulse_s, pri_s) = (waveform.duration_s(), scene.radar.sends().shortest_pri_s());
         if pulse_s > pri_s * (1.0 + 1e-9) {
             faults.push(BuildError::LongPulse {
                 path: path.clone(),
@@ -133,7 +133,8 @@ fn turn_deg(angle_deg: f64) -> f64 {
 /// Targets whose whole echo lies in no window, at none of the pulses evaluated and in no pair of antennas.
 fn targets(prepared: &Prepared) -> Result<Option<String>, BuildErrors> {
     let scene = prepared.scene();
-    if scene.targets.is_empty() {
+    // Received without a gap, nothing is outside.
+    if scene.targets.is_empty() || scene.radar.sent.is_some() {
         return Ok(None);
     }
     let pulse_s = prepared.waveform()?.duration_s();

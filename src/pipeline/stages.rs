@@ -265,7 +265,8 @@ impl PulseFactory {
     /// # Errors
     /// A pulse that the run does not have, or a track that ends before it.
     pub fn beyond_horizon(&self, index: u64) -> Result<Vec<BeyondHorizon>, RadarError> {
-        self.generator().beyond_horizon(index)
+        let generator = self.generator();
+        generator.beyond_horizon(generator.emission_at(index))
     }
 
     /// Points that stand for rain at a pulse, mean, and in a resolution cell; `None` where it returns no
@@ -285,8 +286,10 @@ impl PulseFactory {
     /// # Errors
     /// A pulse that the run does not have, or a track that ends before it.
     pub fn snapshots(&self, pulses: &[u64]) -> Result<Vec<Snapshot>, RadarError> {
-        let mut work = self.generator().workspace();
-        pulses.iter().filter_map(|&index| self.generator().snapshot(index, &mut work).transpose()).collect()
+        let generator = self.generator();
+        let mut work = generator.workspace();
+        let of = |index: &u64| generator.snapshot(generator.emission_at(*index), &mut work).transpose();
+        pulses.iter().filter_map(of).collect()
     }
 
     /// The scatterer paths within the receive window of a pulse, as the reference echo takes them, and the

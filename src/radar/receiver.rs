@@ -12,6 +12,10 @@
 //! ([`ReceiveFilter::noise_bandwidth_hz`]): circular Gaussian, sqrt(W). `T0 = 290 K`. The numbers of pulse
 //! `n`, channel `c` come from the stream (seed, receiver noise, n, c), whatever was asked before and by whom.
 //!
+//! Of blocks that follow each other without a gap the noise has none either: white samples, 32 of them at
+//! either end those of the next block, pass the filter, `S[k] += H(f_k) sqrt(k T0 F / (2 fs)) W[k]` with `W`
+//! their transform.
+//!
 //! Converter. Mid-rise, I and Q apart, saturating: with `b` bits and full scale `A` the step is
 //! `D = 2A/2^b`, the code `i = floor(x/D)` held in `[-2^(b-1), 2^(b-1) - 1]`, its value `(i + 1/2) D`.
 //!
@@ -32,6 +36,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::clock::ChannelClock;
 use super::filter::{ReceiveFilter, bin_frequency_hz};
 use super::waveform::Waveform;
+use super::window::GUARD_SAMPLES;
 use crate::pulse::converter::Level;
 use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::rng::{Room, stream};
@@ -58,12 +63,16 @@ pub struct Receiver {
     noise_bins: Vec<(usize, f64)>,
     adc: Option<Adc>,
     transform: Arc<dyn Fft<f64>>,
+    /// Of blocks whose noise goes on from one to the next.
+    unbroken: Option<Arc<dyn Fft<f64>>>,
 }
 
 /// What a thread needs to receive without allocating.
 #[derive(Clone, Debug)]
 pub struct ReceiverScratch {
     transform: Vec<Complex64>,
+    /// White samples of a block and of its neighbours; empty where noise is drawn bin by bin.
+    white: Vec<Complex64>,
     /// By channel; empty without a converter.
     levels: Vec<Level>,
 }
@@ -104,6 +113,7 @@ impl Receiver {
             noise_bins,
             adc: radar.adc,
             transform: nereus_fft::inverse(fft_len),
+            unbroken: radar.sent.as_ref().map(|_| nereus_fft::forward(fft_len)),
         }
     }
 
@@ -133,7 +143,7 @@ impl Receiver {
         scratch: &mut ReceiverScratch,
     ) {
         bins.fill(Complex64::ZERO);
-        self.add_noise(pulse_index, channel, bins);
+        self.add_noise(pulse_index, channel, bins, scratch);
         self.inverse(bins, scratch);
     }
 
@@ -171,8 +181,12 @@ impl Receiver {
     /// Scratch memory for one thread.
     pub fn scratch(&self) -> ReceiverScratch {
         let levels = if self.adc.is_some() { self.channels } else { 0 };
+        let forward = self.unbroken.as_ref();
+        let transform = self.transform.get_inplace_scratch_len();
+        let transform = transform.max(forward.map_or(0, |forward| forward.get_inplace_scratch_len()));
         ReceiverScratch {
-            transform: vec![Complex64::ZERO; self.transform.get_inplace_scratch_len()],
+            transform: vec![Complex64::ZERO; transform],
+            white: vec![Complex64::ZERO; forward.map_or(0, |forward| forward.len())],
             levels: vec![Level::default(); levels],
         }
     }
@@ -228,7 +242,7 @@ impl Receiver {
             if let Some(clock) = clocks.get(channel) {
                 clock.delay(bins, |k| bin_frequency_hz(k, fft_len, self.sample_rate_hz));
             }
-            self.add_noise(pulse.index, channel, bins);
+            self.add_noise(pulse.index, channel, bins, scratch);
             self.transform.process_with_scratch(bins, &mut scratch.transform);
             if let Some(clock) = clocks.get(channel) {
                 clock.turn(&mut bins[..self.window_samples]);
@@ -267,15 +281,55 @@ impl Receiver {
         saturated
     }
 
-    fn add_noise(&self, pulse_index: u64, channel: usize, bins: &mut [Complex64]) {
+    fn add_noise(
+        &self,
+        pulse_index: u64,
+        channel: usize,
+        bins: &mut [Complex64],
+        scratch: &mut ReceiverScratch,
+    ) {
         if self.noise_bins.is_empty() {
             return;
+        }
+        if let Some(forward) = &self.unbroken {
+            return self.add_unbroken_noise((pulse_index, channel), forward.as_ref(), bins, scratch);
         }
         let mut numbers = stream(self.seed, Room::ReceiverNoise, pulse_index, channel as u64);
         for &(k, scale) in &self.noise_bins {
             let re: f64 = StandardNormal.sample(&mut numbers);
             let im: f64 = StandardNormal.sample(&mut numbers);
             bins[k] += Complex64::new(re, im) * scale;
+        }
+    }
+
+    fn add_unbroken_noise(
+        &self,
+        (block, channel): (u64, usize),
+        forward: &dyn Fft<f64>,
+        bins: &mut [Complex64],
+        scratch: &mut ReceiverScratch,
+    ) {
+        let ReceiverScratch { transform, white, .. } = scratch;
+        let (n, len) = (self.window_samples, white.len());
+        let edge = GUARD_SAMPLES.min(n / 2);
+        white.fill(Complex64::ZERO);
+        // Of each block the first samples are drawn first, then the last: all that its neighbours need.
+        let mut draw = |block: u64, places: &mut dyn Iterator<Item = usize>, skipped: usize| {
+            let mut numbers = stream(self.seed, Room::ReceiverNoise, block, channel as u64);
+            let mut next =
+                || Complex64::new(StandardNormal.sample(&mut numbers), StandardNormal.sample(&mut numbers));
+            for _ in 0..skipped {
+                next();
+            }
+            places.for_each(|place| white[place] = next());
+        };
+        draw(block, &mut (0..edge).chain(n - edge..n).chain(edge..n - edge), 0);
+        draw(block.wrapping_add(1), &mut (n..n + edge), 0);
+        draw(block.wrapping_sub(1), &mut (len - edge..len), edge);
+        forward.process_with_scratch(white, transform);
+        let share = 1.0 / (len as f64).sqrt();
+        for &(k, scale) in &self.noise_bins {
+            bins[k] += white[k] * (scale * share);
         }
     }
 

@@ -265,6 +265,7 @@ impl Radar {
                 0 => None,
                 _ => Some(signal.window.look(platforms)?),
             },
+            continuous: signal.window.kind == 0 && signal.window.platform == 1,
             middle_m: signal.middle_m,
             antennas: known.iter().map(row).collect::<Option<_>>()?,
         };

@@ -345,6 +345,16 @@ impl Header {
         lengths.into_iter().find(|m| !m.is_finite()).map(|m| format!("a length of {m} m"))
     }
 
+    /// Whether what is called a pulse is a block of samples that begins where the one before ends.
+    pub fn is_continuous(&self) -> bool {
+        self.instrument.as_ref().is_some_and(|instrument| instrument.continuous)
+    }
+
+    /// What follows each other in its samples.
+    pub(super) fn received(&self) -> &'static str {
+        if self.is_continuous() { "blocks without a gap" } else { "receive windows" }
+    }
+
     /// Whether a pulse has the samples and the states announced here.
     ///
     /// # Errors

@@ -32,6 +32,10 @@ pub struct Instrument {
     pub earth_radius_factor: Option<f64>,
     /// What the receive window follows; none where it opens at a fixed time.
     pub window: Option<Look>,
+    /// Whether reception is continuous: what is called a pulse elsewhere is a block of samples, which begins
+    /// where the one before ends. Emissions have times of their own, which the scenario says.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub continuous: bool,
     /// Middle of the scene, East and North, m: of an image where nothing looks anywhere.
     pub middle_m: [f64; 2],
     /// Antennas: transmitters, then receivers.
@@ -220,6 +224,7 @@ impl Instrument {
                 Gate::Follow { aim, .. } => Some(Look::at(aim, platforms)),
                 Gate::Fixed { .. } => None,
             },
+            continuous: radar.sent.is_some(),
             middle_m: [0, 1].map(middle),
             antennas: transmitters
                 .chain(receivers)

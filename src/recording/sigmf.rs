@@ -338,7 +338,7 @@ impl<'a> Job<'a> {
             "core:num_channels": 1,
             "core:sha512": hash,
             "core:recorder": header.software,
-            "core:description": format!("receive windows of a bistatic radar, channel {}", row.name),
+            "core:description": format!("{} of a bistatic radar, channel {}", header.received(), row.name),
             "core:extensions": [extension()],
             "nereus:channel": row,
             "nereus:window_samples": header.layout.samples,

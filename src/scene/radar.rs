@@ -15,8 +15,11 @@ pub struct Radar {
     pub sample_rate_hz: f64,
     /// What is radiated.
     pub waveform: Waveform,
-    /// When pulses leave, relative to pulse 0.
+    /// When pulses leave, relative to pulse 0; of continuous reception when its blocks begin.
     pub emissions: PulseTimes,
+    /// Of continuous reception, when pulses leave. What is a pulse elsewhere then is a block of samples: one
+    /// begins where the one before ends ([`PulseTimes::blocks`]), by [`Gate::Fixed`] at 0.
+    pub sent: Option<PulseTimes>,
     /// Which polarisations leave together.
     pub tx_polarisation: TxPolarisation,
     /// When samples are taken.
@@ -60,6 +63,7 @@ impl Radar {
             sample_rate_hz,
             waveform,
             emissions,
+            sent: None,
             tx_polarisation: TxPolarisation::Simultaneous,
             window,
             losses_db: 0.0,
@@ -79,6 +83,11 @@ impl Radar {
     /// Carrier wavelength, metres.
     pub fn wavelength_m(&self) -> f64 {
         crate::units::SPEED_OF_LIGHT_MPS / self.carrier_hz
+    }
+
+    /// When pulses leave, be they received in windows or continuously.
+    pub fn sends(&self) -> &PulseTimes {
+        self.sent.as_ref().unwrap_or(&self.emissions)
     }
 
     /// The transmitter-receiver pairs that the channels need, in order of first use. A scatterer path has one

@@ -10,6 +10,7 @@ mod breaking;
 mod changes;
 mod choppy;
 mod closed_forms;
+mod continuous;
 mod emitters;
 mod ends;
 mod hidden;

@@ -54,7 +54,8 @@ const BEFORE: [(&str, &str); 5] = [
 ];
 
 /// Scenarios with a sea, by the beginning of their names.
-const WITH_SEA: [&str; 4] = ["configs/mars-", "configs/quickstart", "configs/sea", "first.toml"];
+const WITH_SEA: [&str; 5] =
+    ["configs/mars-", "configs/quickstart", "configs/sea", "configs/continuous", "first.toml"];
 
 /// What makes a sea quick in a debug build: few facets, and no plan of the fast echo, whose dry run takes a
 /// minute. The tests of plans and benchmarks run the fast echo. Of settings of the same key the last one

@@ -46,6 +46,40 @@ fn noise(receiver: &Receiver, n: usize, channels: usize, window: usize, index: u
     cf32(&pulse).iter().map(|s| Complex64::new(f64::from(s.re), f64::from(s.im))).collect()
 }
 
+/// Neighbours in different blocks are related as those of one block are: by the filter, as
+/// `int |H|^2 cos(2 pi f) df / int |H|^2 df`.
+#[test]
+fn noise_goes_on_from_block_to_block() {
+    let (samples, blocks, n) = (64, 20_000u64, 360);
+    let mut radar = radar(samples, Some(3.0), None);
+    radar.sent = Some(radar.emissions.clone());
+    let receiver = Receiver::new(&radar, 5, n, 1);
+    let all: Vec<Complex64> = (0..blocks).flat_map(|block| noise(&receiver, n, 1, samples, block)).collect();
+    let filter = ReceiveFilter::new(FS_HZ);
+    let mean = |of: &dyn Fn(f64) -> f64| {
+        let f = |k: u32| (f64::from(k) + 0.5) / 4096.0 - 0.5;
+        (0..4096).map(|k| filter.response(f(k) * FS_HZ).powi(2) * of(f(k))).sum::<f64>() / 4096.0
+    };
+    let expected = mean(&|f| (std::f64::consts::TAU * f).cos()) / mean(&|_| 1.0);
+    assert!(expected > 0.1, "{expected}");
+    let variance = receiver.noise_variance_w();
+    let power = all.iter().map(|s| s.norm_sqr()).sum::<f64>() / all.len() as f64;
+    // 1,280,000 samples: five deviations.
+    assert!((power / variance - 1.0).abs() < 5.0 / 1.1e6f64.sqrt(), "{power} {variance}");
+    let related = |at: usize| {
+        let pairs = (at..all.len() - 1).step_by(samples).map(|j| (all[j + 1] * all[j].conj()).re);
+        pairs.sum::<f64>() / (blocks as f64 * variance)
+    };
+    for (place, at) in [("border", samples - 1), ("middle", samples / 2)] {
+        let found = related(at);
+        println!("{place}: {found:.4}, expected {expected:.4}");
+        // Of a product of circular Gaussians: the real part has the variance (1 + r^2)/2.
+        assert!((found - expected).abs() < 5.0 * (0.51 / blocks as f64).sqrt(), "{place}: {found}");
+    }
+    // The same numbers whatever was asked before.
+    assert_eq!(noise(&receiver, n, 1, samples, 7), all[7 * samples..8 * samples]);
+}
+
 #[test]
 fn noise_has_the_variance_of_its_bandwidth() {
     let n = 360;

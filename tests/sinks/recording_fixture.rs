@@ -76,6 +76,7 @@ pub fn instrument() -> Instrument {
         filter: FilterRow { kind: text("raised-cosine"), flat_hz: 40e6, zero_hz: 50e6 },
         earth_radius_factor: Some(4.0 / 3.0),
         window: Some(Look::Point { position_m: [1.5, 2.0, -3.0], velocity_mps: [0.1, 0.2, 0.3] }),
+        continuous: false,
         middle_m: [100.0, -200.0],
         antennas: vec![
             AntennaRow {

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use nereus::pulse::{Pulse, SampleFormat};
 use nereus::recording::header::Header;
+use nereus::recording::instrument::Instrument;
 use nereus::sinks::sink::Sink;
 use num_complex::Complex32;
 use proptest::prelude::*;
@@ -73,6 +74,19 @@ fn a_receiver_knows_the_radar() {
                 }
             }
         }
+    }
+}
+
+/// Blocks without a gap are announced as such.
+#[test]
+fn a_receiver_knows_that_blocks_are_contiguous() {
+    for continuous in [false, true] {
+        let mut sent = described(SampleFormat::Cf32, 7);
+        sent.instrument = Some(Instrument { window: None, continuous, ..instrument() });
+        let (header, pulses, report) = received(&datagrams(&sent, 5));
+        let header = header.unwrap();
+        assert_eq!((header.is_continuous(), pulses.len(), report.malformed), (continuous, 5, 0));
+        assert_eq!(header.instrument, sent.instrument);
     }
 }
 

@@ -42,7 +42,13 @@ pub fn rows(run: &Run) -> Vec<Described> {
     };
     let own = radar.receivers.iter().filter_map(|end| Some((&end.name, end.gate.as_ref()?)));
     let own = own.map(|(name, gate)| format!("; that of {name} {}", opens(gate)));
-    let gate = own.fold(opens(&radar.window.gate), |text, own| text + &own);
+    let gate = match &radar.sent {
+        None => own.fold(opens(&radar.window.gate), |text, own| text + &own),
+        Some(sent) => format!(
+            "continuous: block after block without a gap; pulses leave at a mean PRF of {} Hz",
+            neat(sent.mean_prf_hz())
+        ),
+    };
     let polarisation = match &radar.tx_polarisation {
         TxPolarisation::Simultaneous => "simultaneous transmit polarisations".to_owned(),
         TxPolarisation::Alternating(sequence) => {
@@ -66,10 +72,11 @@ pub fn rows(run: &Run) -> Vec<Described> {
         described(
             "time",
             format!(
-                "{}, {} in {:.6} s, mean PRF {} Hz",
+                "{}, {} in {:.6} s, mean {} {} Hz",
                 scene.start,
-                counted(scene.pulses, "pulse"),
+                counted(scene.pulses, if radar.sent.is_some() { "block" } else { "pulse" }),
                 radar.emissions.interval_s(0, scene.pulses),
+                if radar.sent.is_some() { "rate" } else { "PRF" },
                 radar.emissions.mean_prf_hz()
             ),
         ),

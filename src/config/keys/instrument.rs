@@ -33,8 +33,9 @@ tables! {
         PATH "path", File, Required, "file: CSV lines re,im without a header.";
         RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
     }
-    window "[radar.window]" "The receive window of every receiver without one of its own. Exactly one of start_us and follow." {
-        SAMPLES "samples", count(1, 1 << 24), Required, "Complex samples per channel, of all receivers; not shorter than the pulse.";
+    window "[radar.window]" "The receive window of every receiver without one of its own. Exactly one of start_us and follow; neither with gate = \"continuous\"." {
+        SAMPLES "samples", count(1, 1 << 24), Required, "Complex samples per channel, of all receivers; windowed: not shorter than the pulse. Continuous: samples of a block.";
+        GATE "gate", Choice(words::<GateKind>), Word("windowed"), "Whether receivers take a window after every pulse, or all that comes from the first pulse on, in blocks without a gap (docs/continuous.md).";
         START_US "start_us", number("us", 0.0, 1e7), Means("follow is given"), "Start after the emission, not rounded to the sample grid. May exceed the pulse interval.";
         FOLLOW "follow", Section(&follow::TABLE), Means("start_us is given"), "A window that follows the echo of an aim point.";
     }

@@ -32,6 +32,11 @@ impl Given {
         list.push(place);
     }
 
+    /// Whether any antenna has one.
+    pub(super) fn has_any(&self) -> bool {
+        self.clocks.transmitters.iter().chain(&self.clocks.receivers).any(Option::is_some)
+    }
+
     /// All clocks, unless one is faulty.
     pub(super) fn clocks(self) -> Option<Clocks> {
         (!self.faulty).then_some(self.clocks)

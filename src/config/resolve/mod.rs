@@ -276,7 +276,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         patch,
         place,
         root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ),
-        radar.as_ref().map(|radar| 1.0 / radar.emissions.mean_prf_hz()),
+        radar.as_ref().map(|radar| 1.0 / radar.sends().mean_prf_hz()),
     );
     let start = time.start.filter(|_| time.start_written);
     let ships = ship::ships(&root, &ground, start);

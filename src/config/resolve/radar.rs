@@ -7,7 +7,7 @@ use super::emitter;
 use super::place::SurfaceKeys;
 use super::signal::{emissions, waveform};
 use super::{Ground, Names, plausible};
-use crate::config::choices::TxKind;
+use crate::config::choices::{GateKind, TxKind};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys::{self, Key};
 use crate::config::scalars::{polarisation, polarisation_pair};
@@ -18,6 +18,7 @@ use crate::scene::radar::{
     Adc, Channel, Gate, Polarisation, Radar, RainClutter, Receiver, Transmitter, TxPolarisation, Waveform,
     Window,
 };
+use crate::time::PulseTimes;
 
 /// Most bytes of one pulse.
 const LARGEST_PULSE: u128 = 1 << 24;
@@ -62,6 +63,8 @@ pub(super) fn radar(
     };
     let window =
         section.section(&k::WINDOW).and_then(|s| window(s, sample_rate_hz, pulse_s, ground, platforms));
+    let (window, continuous) = window.unzip();
+    let continuous = continuous.unwrap_or(false);
     let known = emitter::Known { transmitters: &transmitter_names, receivers: &receiver_names, platforms };
     let emitters = emitter::emitters(root, ground, &known, (carrier_hz, sample_rate_hz));
     let antennas = Antennas { transmitters: &transmitter_names, receivers: &receiver_names, hears: &hears };
@@ -95,7 +98,20 @@ pub(super) fn radar(
         check_size(&section, channels.len() + known, window.samples, has_adc);
     }
     plausible::band(&section, waveform.as_ref());
-    plausible::intervals(&section, emissions.as_ref(), pulse_s, limits.window_s);
+    plausible::intervals(&section, emissions.as_ref(), pulse_s, limits.window_s.filter(|_| !continuous));
+    if continuous {
+        let own_windows = receivers.iter().flatten().any(|receiver| receiver.gate.is_some());
+        let known = calibration.as_ref().is_some_and(|list| !list.is_empty());
+        refuse_beside_continuous(
+            &section,
+            [
+                (own_windows, "[receiver.window]"),
+                (clocks.has_any(), "clock errors of antennas"),
+                (known, "[[radar.calibration]]"),
+                (matches!(rain_clutter, Some(Some(_))), "rain_clutter"),
+            ],
+        );
+    }
     if let Some(channels) = &channels {
         warn_unused(&section, channels, &antennas);
         if tx_polarisation == Some(TxPolarisation::Simultaneous) {
@@ -110,13 +126,21 @@ pub(super) fn radar(
         let of_emitters = emitters.iter().flatten().map(|of| (&of.transmitter.name, &of.transmitter.antenna));
         plausible::apertures(root, carrier_hz, of_transmitters.chain(of_receivers).chain(of_emitters));
     }
+    let (window, sample_rate_hz) = (window?, sample_rate_hz?);
+    let (emissions, sent) = if continuous {
+        // Its length was checked.
+        (PulseTimes::blocks(window.samples, sample_rate_hz).ok(), Some(emissions?))
+    } else {
+        (emissions, None)
+    };
     Some(Radar {
         carrier_hz: carrier_hz?,
-        sample_rate_hz: sample_rate_hz?,
+        sample_rate_hz,
         waveform: waveform?,
         emissions: emissions?,
+        sent,
         tx_polarisation: tx_polarisation?,
-        window: window?,
+        window,
         losses_db: losses_db?,
         atmosphere_db_per_km: atmosphere_db_per_km?,
         rain_mmph: rain_mmph?,
@@ -129,6 +153,15 @@ pub(super) fn radar(
         channels: channels?,
         emitters: emitters?,
     })
+}
+
+/// Faults what cannot be received in blocks without a gap.
+fn refuse_beside_continuous(section: &Section<'_>, given: [(bool, &str); 4]) {
+    for (_, what) in given.into_iter().filter(|(given, _)| *given) {
+        let (found, allowed) =
+            (format!("gate = \"continuous\" beside {what}"), format!("gate = \"windowed\", or no {what}"));
+        section.fault(&keys::radar::WINDOW, Problem::Type { found, allowed });
+    }
 }
 
 /// The echo of rain: `Some(None)` where none is asked for.
@@ -193,15 +226,28 @@ fn receiver(
     Some(Receiver { name: names.last()?, antenna: antenna?, gate: if own { Some(gate?) } else { None } })
 }
 
+/// The window, and whether it is a block of those that follow each other.
 fn window(
     section: Section<'_>,
     sample_rate_hz: Option<f64>,
     pulse_s: Option<f64>,
     ground: &Ground,
     platforms: &Names,
-) -> Option<Window> {
-    use keys::window::{FOLLOW, SAMPLES, START_US};
+) -> Option<(Window, bool)> {
+    use keys::window::{FOLLOW, GATE, SAMPLES, START_US};
     let samples = section.count(&SAMPLES);
+    let continuous = section.choice::<GateKind>(&GATE)? == GateKind::Continuous;
+    if continuous {
+        section.idle(&[&START_US, &FOLLOW], "gate = \"continuous\"");
+        let samples = samples.and_then(|samples| usize::try_from(samples).ok());
+        let blocks = samples.zip(sample_rate_hz).filter(|(n, hz)| PulseTimes::blocks(*n, *hz).is_err());
+        if let Some((samples, hz)) = blocks {
+            let found = format!("a block of {} s", samples as f64 / hz);
+            section.fault(&SAMPLES, Problem::Type { found, allowed: "1e-9 to 1000 s".to_owned() });
+        }
+        section.finish();
+        return Some((Window { samples: samples?, gate: Gate::Fixed { start_s: 0.0 } }, true));
+    }
     if let (Some(samples), Some(sample_rate_hz), Some(pulse_s)) = (samples, sample_rate_hz, pulse_s) {
         let window_s = samples as f64 / sample_rate_hz;
         // A pulse of a whole number of samples must pass although its product with the rate is rounded.
@@ -212,7 +258,7 @@ fn window(
     }
     let gate = gate(&section, [&START_US, &FOLLOW], ground, platforms);
     section.finish();
-    Some(Window { samples: usize::try_from(samples?).ok()?, gate: gate? })
+    Some((Window { samples: usize::try_from(samples?).ok()?, gate: gate? }, false))
 }
 
 /// Where a window starts, by one of the keys.

@@ -141,8 +141,10 @@ impl EchoEngine for BlockEcho {
     fn with_nodes(&self, chosen: &EchoSettings) -> Option<Arc<dyn EchoEngine>> {
         let block = usize::try_from(block_pulses(chosen.node_pulses)).ok().filter(|&n| n <= MAX_PULSES);
         let (synth, borders) = (Arc::clone(&self.synth), Arc::default());
-        let length = chosen.block_pulses(self.hold_pulses);
-        block.map(|_| Arc::new(Self { synth, borders, length, part: length, ..*self }) as Arc<dyn EchoEngine>)
+        let part = chosen.block_pulses(self.hold_pulses);
+        // Segments of pulses that are not those emitted stay.
+        let length = if self.length == self.part { part } else { self.length };
+        block.map(|_| Arc::new(Self { synth, borders, length, part, ..*self }) as Arc<dyn EchoEngine>)
     }
 
     fn worker<'f>(&'f self, paths: &PathGenerator) -> Box<dyn EchoWorker + 'f> {

@@ -29,6 +29,11 @@ pub enum FocusError {
         "holds no replica: it was received over the wire from a sender that describes neither waveform nor antennas (an earlier version, or a replica of more than 2^20 samples); allowed: what was received from one that does (docs/wire.md, classes 5 to 7), or the sender's own recording"
     )]
     NoReplica,
+    /// Blocks of samples in place of pulses.
+    #[error(
+        "holds blocks received without a gap (radar.window.gate = \"continuous\"), and an image takes a window for every pulse; allowed: a recording with gate = \"windowed\", or windows cut from the blocks by a processor of your own (docs/continuous.md)"
+    )]
+    Continuous,
     /// What came over the wire, by true navigation.
     #[error(
         "holds no true phase centres: it was received over the wire, which carries what platforms report; allowed: --nav reported"

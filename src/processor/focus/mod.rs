@@ -165,6 +165,9 @@ impl<'a> Focuser<'a> {
         scenario: Option<Described<'a>>,
         settings: &Settings,
     ) -> Result<Self, FocusError> {
+        if recording.header.is_continuous() {
+            return Err(FocusError::Continuous);
+        }
         let compressor = compressor(recording, settings)?;
         let channel = *echoes(recording).first().ok_or(FocusError::NoEchoes)?;
         let instrument = instrument(recording, scenario);

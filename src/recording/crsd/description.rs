@@ -152,6 +152,9 @@ impl Description {
         if !header.truth {
             return Err(CrsdError::Received);
         }
+        if header.is_continuous() {
+            return Err(CrsdError::Continuous);
+        }
         let radar = &scene.radar;
         let frame = scene.frame;
         if frame.origin().is_none() {

@@ -33,6 +33,12 @@ pub enum CrsdError {
          allowed: the recording of the run that sent it"
     )]
     Received,
+    /// Blocks of samples in place of pulses.
+    #[error(
+        "CRSD has a receive window for every pulse, and this is received without a gap (radar.window.gate = \"continuous\"); \
+         allowed: gate = \"windowed\", or another format"
+    )]
+    Continuous,
     /// A scenario that does not describe the recording.
     #[error("the scenario in the recording has no {what} {}", one_line(name))]
     Undescribed {

@@ -21,6 +21,10 @@ const ANTENNA: u16 = 7;
 /// Longest replica that is sent.
 pub(super) const REPLICA_SAMPLES: usize = 1 << 20;
 
+/// In place of the platform of a window that follows nothing: blocks without a gap. Receivers of earlier
+/// versions do not look at it.
+const CONTINUOUS: u32 = 1;
+
 /// Bytes before the samples of a piece of the replica, and of one of them.
 const PIECE: usize = 16;
 const SAMPLE: usize = 8;
@@ -57,8 +61,10 @@ pub(super) fn signal<'a>(
     count: u8,
     at: Stamp,
 ) -> &'a [u8] {
-    let Instrument { waveform, filter, earth_radius_factor, window, middle_m, .. } = instrument;
+    let Instrument { waveform, filter, earth_radius_factor, window, continuous, middle_m, .. } = instrument;
     let [kind, platform] = look_words(window.as_ref(), header);
+    // Where nothing is followed there is no platform.
+    let platform = if window.is_none() && *continuous { CONTINUOUS } else { platform };
     let number = |value: &Option<f64>| value.unwrap_or(f64::NAN);
     datagram
         .begin(Type::Extension(SIGNAL), SIGNAL_STREAM, count, at)
