@@ -274,6 +274,17 @@ impl PulseTimes {
         matches!(self.0, Rhythm::Uniform { .. })
     }
 
+    /// The intervals of a sequence, seconds; none where all are equal.
+    pub fn intervals_s(&self) -> Vec<f64> {
+        match &self.0 {
+            Rhythm::Uniform { .. } => Vec::new(),
+            Rhythm::Sequence { starts_as, cycle_as } => {
+                let ends_as = starts_as.iter().skip(1).chain(std::iter::once(cycle_as));
+                starts_as.iter().zip(ends_as).map(|(a, b)| (b - a) as f64 * 1e-18).collect()
+            }
+        }
+    }
+
     /// The mean PRF, Hz.
     pub fn mean_prf_hz(&self) -> f64 {
         match &self.0 {
@@ -294,11 +305,7 @@ impl PulseTimes {
     pub fn shortest_pri_s(&self) -> f64 {
         match &self.0 {
             Rhythm::Uniform { prf_hz, .. } => prf_hz.recip(),
-            Rhythm::Sequence { starts_as, cycle_as } => starts_as
-                .iter()
-                .zip(starts_as.iter().skip(1).chain(std::iter::once(cycle_as)))
-                .map(|(a, b)| (b - a) as f64 * 1e-18)
-                .fold(f64::INFINITY, f64::min),
+            Rhythm::Sequence { .. } => self.intervals_s().into_iter().fold(f64::INFINITY, f64::min),
         }
     }
 

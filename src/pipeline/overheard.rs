@@ -121,6 +121,8 @@ fn channels_of(radar: &Radar, own: &Radar) -> Vec<Vec<usize>> {
 /// What receivers take of an emitter. Immutable, shared by all threads.
 pub(crate) struct Overheard {
     name: String,
+    /// Bandwidth of its waveform, Hz, and length, s.
+    signal: [f64; 2],
     generator: PathGenerator,
     flown: OnceLock<PathGenerator>,
     engine: Arc<dyn EchoEngine>,
@@ -166,9 +168,20 @@ impl Emitting {
         let most = most.min(most_pulses(&scene, &generator, waveform.as_ref()));
         let segment = (1..=segment).rev().find(|n| segment.is_multiple_of(*n) && *n <= most).unwrap_or(1);
         let engine = engines::engine(plan.as_ref(), &received, Some(segment), &generator, &waveform)?;
+        let signal = [waveform.bandwidth_hz(), waveform.duration_s()];
         let generator = generator.with_clocks(clocks);
         let (flown, window_samples) = (OnceLock::new(), received.window.samples);
-        Ok(Overheard { name, generator, flown, engine, channels, window_samples, plan, share_of_pulses })
+        Ok(Overheard {
+            name,
+            signal,
+            generator,
+            flown,
+            engine,
+            channels,
+            window_samples,
+            plan,
+            share_of_pulses,
+        })
     }
 }
 
@@ -176,6 +189,11 @@ impl Overheard {
     /// Its name, the share of the pulses that receive it, and what it is made by; `None` for the reference.
     pub fn summary(&self) -> (&str, f64, Option<&Plan>) {
         (&self.name, self.share_of_pulses, self.plan.as_ref())
+    }
+
+    /// Bandwidth of its waveform, Hz, and length, s.
+    pub fn signal(&self) -> [f64; 2] {
+        self.signal
     }
 
     /// Its error over what a pulse has of it on average, a ratio of powers; 0 of the reference.
