@@ -162,7 +162,12 @@ def open(path: str | os.PathLike[str], chunks: Any = None) -> xarray.Dataset:  #
     for name, (dims, values, attrs) in rec.fixed.items():
         named = NAMES.get(name)
         (coords if named else variables)[named or name] = xr.Variable(dims, values, _words(attrs))
-    for name, (dims, values, attrs) in _emitters(rec.attrs.get("instrument")).items():
+    try:
+        emitters = _emitters(rec.attrs.get("instrument"))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        rec.close()
+        raise damaged(rec.path, f"attribute instrument: {type(error).__name__}: {error}") from error
+    for name, (dims, values, attrs) in emitters.items():
         (coords if name == "emitter" else variables)[name] = xr.Variable(dims, values, attrs)
     sizes = {dim: n for variable in variables.values() for dim, n in variable.sizes.items()}
     coords.update({dim: (dim, labels) for dim, labels in LABELS.items() if dim in sizes})
