@@ -60,14 +60,15 @@ pub(crate) fn received_by(emitter: &Emitter, radar: &Radar) -> Radar {
     heard
 }
 
-/// The scene of an emitter as the radar of another receives it: its emissions are the pulses, up to so long
-/// after the radar's last.
-pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter, after_s: f64) -> Scene {
+/// The scene of an emitter as the radar of another receives it: its emissions are the pulses, from so long
+/// before the radar's first up to so long after its last.
+pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter, [before_s, after_s]: [f64; 2]) -> Scene {
     let last_s = scene.radar.emissions.interval_s(0, scene.pulses.saturating_sub(1));
     // That at the very last instant among them.
-    let pulses =
-        if scene.pulses > 0 { emitter.emissions.count_within((last_s + after_s).next_up()) } else { 0 };
-    let mut own = Scene { radar: received_by(emitter, &scene.radar), pulses, ..scene.clone() };
+    let emissions = emitter.emissions.clone().not_before(-before_s);
+    let pulses = if scene.pulses > 0 { emissions.count_within((last_s + after_s).next_up()) } else { 0 };
+    let radar = Radar { emissions, ..received_by(emitter, &scene.radar) };
+    let mut own = Scene { radar, pulses, ..scene.clone() };
     if !emitter.echo {
         own.sea = None;
         own.ships.clear();

@@ -292,7 +292,7 @@ impl EmitterRow {
             carrier_hz: emitter.carrier_hz,
             bandwidth_hz,
             pulse_s,
-            start_s: 0.0,
+            start_s: emissions.start_s(),
             prf_hz: emissions.mean_prf_hz(),
             intervals: pri_s.len().max(1) as u32,
             pri_s,
