@@ -186,7 +186,8 @@ fn leaps() -> impl Iterator<Item = (i64, i64)> {
         .map(|leap| ((leap.timestamp_tai_s - NTP_TO_UNIX_S) as i64, (leap.delta_at - TAI_GPS_S) as i64))
 }
 
-/// When pulses leave, as offsets from pulse 0 of a radar: its own, or those of one that starts sooner or later.
+/// When pulses leave, as offsets from pulse 0 of a radar: its own pulses, or those of an emitter that starts
+/// sooner or later.
 ///
 /// ```
 /// use nereus::time::PulseTimes;

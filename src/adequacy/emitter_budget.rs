@@ -89,11 +89,8 @@ pub fn emitter_budgets(prepared: &Prepared) -> Result<Vec<EmitterBudget>, BuildE
             let earth = scene.frame.hiding_earth();
             let hidden = earth != Earth::Flat
                 && horizon::clearance_m(earth, tx.centre.position, rx.centre.position) < 0.0;
-            let scale = match hidden {
-                true => 0.0,
-                false => link.direct(path.delay_s * SPEED_OF_LIGHT_MPS).powi(2) * passes,
-            } * gain(ends[0], sent)
-                * gain(ends[1], back);
+            let lit = if hidden { 0.0 } else { link.direct(path.delay_s * SPEED_OF_LIGHT_MPS).powi(2) };
+            let scale = lit * passes * gain(ends[0], sent) * gain(ends[1], back);
             let basis = Basis::of(sent);
             let level_w = |rx_port| {
                 let leaks = [&emitter.transmitter.antenna, &receiver.antenna];
@@ -269,8 +266,8 @@ mod tests {
             assert_eq!((budget.channel.as_str(), budget.receiver.as_str()), ("VV", "rx"));
             assert!(warnings(&found).next().is_none());
         }
-        // A sweep of 80 MHz: of 16 MHz on either side all passes, and 3/8 of the power of either edge of 4 MHz,
-        // where `int (1 + cos)^2 / 4 = 3/8`.
+        // A sweep of 80 MHz: all passes of 16 MHz on either side, and 3/8 of the power in either edge of
+        // 4 MHz: the mean of `(1 + cos)^2 / 4`.
         let wide = budgets(&[("emitter.0.waveform.bandwidth_hz", "80e6")]);
         let still = budgets(&[]);
         near(wide[0].power_dbw, still[0].power_dbw.unwrap() + db((32.0 + 8.0 * 0.375) / 80.0), 0.01);
