@@ -353,8 +353,7 @@ pub(crate) fn described<'py>(py: Python<'py>, header: &Header) -> PyResult<Bound
     dict.set_item("pulses", header.pulses)?;
     dict.set_item("adc_bits", header.adc.map(|adc| adc.bits))?;
     dict.set_item("adc_step", header.adc.map(|adc| adc.step))?;
-    let instrument = serde_json::json!(header.instrument).to_string();
-    dict.set_item("instrument", py.import("json")?.call_method1("loads", (instrument,))?)?;
+    dict.set_item("instrument", crate::object(py, &header.instrument)?)?;
     dict.set_item("replica", PyArray1::from_slice(py, &header.replica))?;
     Ok(dict)
 }

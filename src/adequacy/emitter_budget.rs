@@ -275,10 +275,13 @@ mod tests {
 
     #[test]
     fn what_fills_the_converter_is_warned_of() {
-        let near = budgets(&[("radar.adc.full_scale_dbw", "-90")]);
+        let near = budgets(&[("radar.adc.full_scale_dbw", "-100")]);
         let words: Vec<String> = warnings(&near).collect();
         let [warning] = &words[..] else { panic!("{words:?}") };
-        assert!(warning.starts_with("emitter \"jammer\" reaches channel VV of \"rx\" "), "{warning}");
+        // -94.0 dBW by the equation above.
+        let begins =
+            "emitter \"jammer\" reaches channel VV of \"rx\" 6.0 dB above the full scale of radar.adc";
+        assert!(warning.starts_with(begins), "{warning}");
         let text: Vec<String> =
             rows(&budgets(&[])).iter().map(|row| format!("{}: {}", row.what, row.how)).collect();
         assert!(text[0].starts_with("jammer at rx: -") && text[0].contains(" dB over the noise"), "{text:?}");

@@ -29,7 +29,7 @@ fn faulty_emitters_are_refused() {
 emitter.0.polarisation: "X" is not allowed; allowed: "H", "V", "R", "L"
 emitter.0.carrier_hz: its band begins 8.9995e9 Hz off the carrier of [radar]; allowed: within half of radar.sample_rate_hz, 5e7 Hz
 "#);
-    insta::assert_snapshot!(faults(&of("prf_hz = 100, start_us = -1e10", "~")), @"emitter.0.start_us: -1e10 is out of range; allowed: a number from -1e9 to 1e9 us");
+    insta::assert_snapshot!(faults(&of("prf_hz = 100, start_us = -1e10", "~")), @"emitter.0.start_us: -10000000000.0 is out of range; allowed: a number from -1e9 to 1e9 us");
     insta::assert_snapshot!(faults(&of("prf_hz = 100, heard_by = ['tx']", "~")), @r#"emitter.0.heard_by: there is no receiver "tx"; allowed: rx"#);
     insta::assert_snapshot!(faults(&of("echo = true", "power_w = 1,").replace("'a'", "'rx'")), @r#"
 emitter.0.name: "rx" is already the name of another antenna; allowed: unique names
