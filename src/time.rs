@@ -186,9 +186,25 @@ fn leaps() -> impl Iterator<Item = (i64, i64)> {
         .map(|leap| ((leap.timestamp_tai_s - NTP_TO_UNIX_S) as i64, (leap.delta_at - TAI_GPS_S) as i64))
 }
 
-/// When pulses leave, as offsets from pulse 0.
+/// When pulses leave, as offsets from pulse 0 of a radar: its own pulses, or those of an emitter that starts
+/// sooner or later.
+///
+/// ```
+/// use nereus::time::PulseTimes;
+/// let late = PulseTimes::uniform(1000.0)?.starting(-2.25e-3);
+/// assert!((late.elapsed_s(3) - 0.75e-3).abs() < 2e-16);
+/// // Pulse 2 is the first after -1 ms.
+/// assert!((late.not_before(-1e-3).elapsed_s(0) + 0.25e-3).abs() < 2e-16);
+/// # Ok::<(), nereus::time::TimeError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct PulseTimes(Rhythm);
+pub struct PulseTimes {
+    rhythm: Rhythm,
+    /// When the first of all leaves, attoseconds.
+    start_as: i128,
+    /// How many of these are left out.
+    skipped: u64,
+}
 
 #[derive(Clone, Debug, PartialEq)]
 enum Rhythm {
@@ -208,7 +224,7 @@ impl PulseTimes {
             return Err(TimeError::Prf { prf_hz });
         }
         let (numerator, denominator) = period(prf_hz);
-        Ok(Self(Rhythm::Uniform { prf_hz, numerator, denominator }))
+        Ok(Self::of(Rhythm::Uniform { prf_hz, numerator, denominator }))
     }
 
     /// Blocks of so many samples that follow each other without a gap, exactly.
@@ -219,7 +235,8 @@ impl PulseTimes {
         let prf_hz = sample_rate_hz / samples as f64;
         Self::uniform(prf_hz)?;
         let (numerator, denominator) = period(sample_rate_hz);
-        Ok(Self(Rhythm::Uniform { prf_hz, numerator: numerator * samples as u128, denominator }))
+        let numerator = numerator * samples as u128;
+        Ok(Self::of(Rhythm::Uniform { prf_hz, numerator, denominator }))
     }
 
     /// A repeating sequence of pulse repetition intervals, seconds; each is rounded once to an
@@ -240,12 +257,38 @@ impl PulseTimes {
             starts_as.push(cycle_as);
             cycle_as += (pri * 1e18).round() as u128;
         }
-        Ok(Self(Rhythm::Sequence { starts_as, cycle_as }))
+        Ok(Self::of(Rhythm::Sequence { starts_as, cycle_as }))
     }
 
-    /// Offset of pulse `n` from pulse 0: whole seconds and a fraction in [0, 1].
+    fn of(rhythm: Rhythm) -> Self {
+        Self { rhythm, start_as: 0, skipped: 0 }
+    }
+
+    /// The same, of which the first pulse leaves so long after the radar's pulse 0, s: rounded once to an
+    /// integer number of attoseconds, which then *is* the start.
+    #[must_use]
+    pub fn starting(self, start_s: f64) -> Self {
+        Self { start_as: (start_s * 1e18).round() as i128, ..self }
+    }
+
+    /// When the first of all leaves, s after the radar's pulse 0.
+    pub fn start_s(&self) -> f64 {
+        self.start_as as f64 * 1e-18
+    }
+
+    /// The same without pulses that leave earlier than so long after the radar's pulse 0, s.
+    #[must_use]
+    pub fn not_before(mut self, earliest_s: f64) -> Self {
+        let early_s = earliest_s - self.elapsed_s(0);
+        if early_s > 0.0 {
+            self.skipped += self.count_until(early_s);
+        }
+        self
+    }
+
+    /// Offset of pulse `n` from the first of all: whole seconds and a fraction in [0, 1].
     fn offset(&self, n: u64) -> (i64, f64) {
-        match &self.0 {
+        match &self.rhythm {
             Rhythm::Uniform { numerator, denominator, .. } => {
                 let total = u128::from(n) * numerator;
                 let rest = total % denominator;
@@ -262,8 +305,17 @@ impl PulseTimes {
 
     /// Emission time of pulse `n` when pulse 0 leaves at `start`.
     pub fn emission(&self, start: TimeTag, n: u64) -> TimeTag {
-        let (seconds, fraction_s) = self.offset(n);
-        TimeTag::new(start.seconds.saturating_add(seconds), start.fraction_s + fraction_s)
+        let (seconds, fraction_s) = self.offset(n.saturating_add(self.skipped));
+        let whole_as = ATTOSECONDS_PER_SECOND as i128;
+        let (late, late_s) =
+            (self.start_as.div_euclid(whole_as), self.start_as.rem_euclid(whole_as) as f64 * 1e-18);
+        let seconds = start.seconds.saturating_add(seconds).saturating_add(late as i64);
+        TimeTag::new(seconds, start.fraction_s + (fraction_s + late_s))
+    }
+
+    /// When pulse `n` leaves, s after pulse 0 of the radar.
+    pub fn elapsed_s(&self, n: u64) -> f64 {
+        self.emission(TimeTag::default(), n).since(TimeTag::default())
     }
 
     /// `t_b - t_a`, seconds, exact to one rounding for neighbouring pulses.
@@ -274,12 +326,23 @@ impl PulseTimes {
 
     /// Whether all intervals are equal.
     pub fn is_uniform(&self) -> bool {
-        matches!(self.0, Rhythm::Uniform { .. })
+        matches!(self.rhythm, Rhythm::Uniform { .. })
+    }
+
+    /// The intervals of a sequence, seconds; none where all are equal.
+    pub fn intervals_s(&self) -> Vec<f64> {
+        match &self.rhythm {
+            Rhythm::Uniform { .. } => Vec::new(),
+            Rhythm::Sequence { starts_as, cycle_as } => {
+                let ends_as = starts_as.iter().skip(1).chain(std::iter::once(cycle_as));
+                starts_as.iter().zip(ends_as).map(|(a, b)| (b - a) as f64 * 1e-18).collect()
+            }
+        }
     }
 
     /// The mean PRF, Hz.
     pub fn mean_prf_hz(&self) -> f64 {
-        match &self.0 {
+        match &self.rhythm {
             Rhythm::Uniform { prf_hz, .. } => *prf_hz,
             Rhythm::Sequence { starts_as, cycle_as } => starts_as.len() as f64 / (*cycle_as as f64 * 1e-18),
         }
@@ -287,26 +350,30 @@ impl PulseTimes {
 
     /// The mean interval between two pulses, seconds: that of pulses 0 and 1 where all are equal.
     pub fn mean_pri_s(&self) -> f64 {
-        match &self.0 {
-            Rhythm::Uniform { .. } => self.interval_s(0, 1),
+        match &self.rhythm {
+            Rhythm::Uniform { .. } => {
+                let (seconds, fraction_s) = self.offset(1);
+                seconds as f64 + fraction_s
+            }
             Rhythm::Sequence { starts_as, cycle_as } => *cycle_as as f64 * 1e-18 / starts_as.len() as f64,
         }
     }
 
     /// The shortest interval between two pulses, seconds.
     pub fn shortest_pri_s(&self) -> f64 {
-        match &self.0 {
+        match &self.rhythm {
             Rhythm::Uniform { prf_hz, .. } => prf_hz.recip(),
-            Rhythm::Sequence { starts_as, cycle_as } => starts_as
-                .iter()
-                .zip(starts_as.iter().skip(1).chain(std::iter::once(cycle_as)))
-                .map(|(a, b)| (b - a) as f64 * 1e-18)
-                .fold(f64::INFINITY, f64::min),
+            Rhythm::Sequence { .. } => self.intervals_s().into_iter().fold(f64::INFINITY, f64::min),
         }
     }
 
-    /// Number of pulses emitted in [0, duration).
+    /// Number of pulses that leave before `duration_s` after pulse 0 of the radar.
     pub fn count_within(&self, duration_s: f64) -> u64 {
+        self.count_until(duration_s - self.elapsed_s(0))
+    }
+
+    /// Number of pulses that leave less than `duration_s` after the first.
+    fn count_until(&self, duration_s: f64) -> u64 {
         if !(duration_s.is_finite() && duration_s > 0.0) {
             return 0;
         }
@@ -373,6 +440,24 @@ mod tests {
         assert!((times.shortest_pri_s() - 4.0e-3).abs() < 1e-17);
         assert_eq!(times.count_within(13.5e-3), 3);
         assert_eq!(times.count_within(13.6e-3), 4);
+    }
+
+    #[test]
+    fn a_start_is_kept_exactly() {
+        for times in [PulseTimes::uniform(222.0).unwrap(), PulseTimes::sequence(&[1.0 / 222.0]).unwrap()] {
+            let late = times.clone().starting(-0.375);
+            for n in [0, 1, 83, 84, 1_000_000_000] {
+                let off_s = late.elapsed_s(n) + 0.375 - times.elapsed_s(n);
+                assert!(off_s.abs() <= 4.0 * f64::EPSILON * times.elapsed_s(n).max(1.0), "{n}: {off_s}");
+            }
+            // 0.375 s are 83.25 intervals.
+            assert_eq!((late.count_within(0.0), late.count_within(1e-3)), (84, 84));
+            let cut = late.clone().not_before(-1.5 / 222.0);
+            assert!((cut.elapsed_s(0) + 1.25 / 222.0).abs() < 1e-15 && cut.start_s() == -0.375);
+            assert_eq!(cut.elapsed_s(1), late.elapsed_s(83));
+            assert_eq!(times.clone().starting(2.0).count_within(1.5), 0);
+            assert_eq!((times.clone().starting(0.0), times.clone().not_before(-5.0)), (times.clone(), times));
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ Datasets keep their paths as names. Dimensions are those of their attribute `axe
 `sample`, `pair`, `target`, `ship`, `clock`, `change`, `enu` (East-North-up), `quaternion` (w-x-y-z) and
 `replica_sample`. `units`, `long_name` and `frame` come from their attributes, those of the file are
 `ds.attrs`. ADC counts are read as sqrt(W). The columns of a table are datasets of their own
-(`truth/changes/text`).
+(`truth/changes/text`). What radiates besides the radar stands along `emitter`: `ds["emitter/carrier_hz"]`.
 """
 from __future__ import annotations
 
@@ -162,6 +162,13 @@ def open(path: str | os.PathLike[str], chunks: Any = None) -> xarray.Dataset:  #
     for name, (dims, values, attrs) in rec.fixed.items():
         named = NAMES.get(name)
         (coords if named else variables)[named or name] = xr.Variable(dims, values, _words(attrs))
+    try:
+        emitters = _emitters(rec.attrs.get("instrument"))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        rec.close()
+        raise damaged(rec.path, f"attribute instrument: {type(error).__name__}: {error}") from error
+    for name, (dims, values, attrs) in emitters.items():
+        (coords if name == "emitter" else variables)[name] = xr.Variable(dims, values, attrs)
     sizes = {dim: n for variable in variables.values() for dim, n in variable.sizes.items()}
     coords.update({dim: (dim, labels) for dim, labels in LABELS.items() if dim in sizes})
     if "pulse" in sizes:
@@ -172,6 +179,28 @@ def open(path: str | os.PathLike[str], chunks: Any = None) -> xarray.Dataset:  #
     ds.encoding["source"] = rec.path
     ds.set_close(rec.close)
     return ds if chunks is None else _chunked(ds, chunks, rec)
+
+
+def _emitters(instrument):
+    """Columns of the table of emitters that stands in the attribute `instrument`; what has no column is there."""
+    rows = (json.loads(instrument) if instrument else {}).get("emitters", [])
+    if not rows:
+        return {}
+    units = {"hz": "Hz", "s": "s", "w": "W"}
+    columns = {"emitter": (("emitter",), _texts(row["antenna"]["name"] for row in rows), {})}
+    columns["emitter/platform"] = (("emitter",), _texts(row["antenna"]["platform"] for row in rows), {})
+    for key, first in rows[0].items():
+        values = [row[key] for row in rows]
+        if isinstance(first, (bool, int, float)):
+            unit = units.get(key.rpartition("_")[2])
+            columns[f"emitter/{key}"] = (("emitter",), np.array(values), {"units": unit} if unit else {})
+        elif isinstance(first, str):
+            columns[f"emitter/{key}"] = (("emitter",), _texts(values), {})
+    receivers = sorted({name for row in rows for name in row["receivers"]})
+    taken = np.array([[name in row["receivers"] for name in receivers] for row in rows]).reshape(len(rows), -1)
+    columns["emitter/receiver"] = (("emitter_receiver",), _texts(receivers), {})
+    columns["emitter/received"] = (("emitter", "emitter_receiver"), taken, {})
+    return columns
 
 
 def _chunked(ds, chunks, rec):

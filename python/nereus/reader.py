@@ -227,6 +227,7 @@ def summary(rec):
     }
     keys = ("carrier_hz", "sample_rate_hz", "bandwidth_hz", "pulse_s", "prf_hz", "seed", "software")
     out.update({k: rec.meta[k] for k in keys})
+    out["emitters"] = json.loads(rec.meta.get("instrument") or "{}").get("emitters", [])
     if n:
         last = rec.samples(n - 1, n)[0]
         out["last_rms"] = [float(np.sqrt(np.mean(np.abs(channel) ** 2))) for channel in last]
@@ -239,6 +240,13 @@ def show(s):
     print(f"  {s['pulses']} pulses ({s['first']} to {s['last']}, {s['missing']} missing) at {s['prf_hz']:g} Hz")
     print(f"  channels {' '.join(s['channels'])}; iq {s['iq_shape']} at {s['sample_rate_hz']:g} Hz")
     print(f"  carrier {s['carrier_hz']:g} Hz, bandwidth {s['bandwidth_hz']:g} Hz, pulse {s['pulse_s']:g} s")
+    for e in s["emitters"]:
+        taken = " and ".join(w for w, k in (("direct path", "direct_path"), ("echo", "echo")) if e[k]) or "nothing"
+        print(
+            f"  emitter {e['antenna']['name']} on {e['antenna']['platform']}: {e['carrier_hz']:g} Hz, bandwidth {e['bandwidth_hz']:g} Hz, "
+            f"pulse {e['pulse_s']:g} s, {e['prf_hz']:g} Hz from {e['start_s']:g} s, {e['power_w']:g} W {e['polarisation']}; "
+            f"{taken} at {', '.join(e['receivers'])}"
+        )
     print("  flagged: " + ", ".join(f"{v} {k}" for k, v in s["flags"].items()))
     for change in s["changes"]:
         print(f"  from pulse {change['pulse']}: {change['text']} on {change['platform']} ({change['source']})")

@@ -16,6 +16,7 @@ import pytest
 import xarray as xr
 import zarr
 
+from scenes import small
 from nereus import zarr as store
 from nereus.dataset import source
 
@@ -69,6 +70,29 @@ def test_dimensions_and_units_are_named(recorded):
         for name in found:
             assert {**labels, **tables}.get(name, name) in ds.variables, name
         assert np.array_equal(ds.iq.sel(channel="HH", pulse=slice(100, 200)).values, file["iq"][100:201, 0])
+
+
+def test_emitters_stand_along_a_dimension(tmp_path, recorded):
+    scene = small()
+    common = {"platform": "mast", "antenna": {"kind": "isotropic"}, "waveform": {"kind": "lfm", "bandwidth_hz": 1e6, "pulse_s": 1e-6}}
+    scene["emitter"] = [
+        {"name": "beacon", "power_w": 2.0, "prf_hz": 250.0, "start_us": -125.0, "polarisation": "V", **common},
+        {"name": "jammer", "power_w": 1e-3, "pri_us": [1000.0, 3000.0], "carrier_hz": 10.005e9, "echo": False, **common},
+    ]
+    for name in ("r.h5", "r.plain", "r.zarr"):
+        nereus.Scenario(scene).record(tmp_path / name, progress=False)
+        with nereus.open(tmp_path / name) as ds:
+            assert list(ds.emitter.values) == ["beacon", "jammer"]
+            assert list(ds["emitter/carrier_hz"].values) == [10e9, 10.005e9]
+            assert list(ds["emitter/prf_hz"].values) == [250.0, 500.0]
+            assert float(ds["emitter/start_s"].sel(emitter="beacon")) == pytest.approx(-125e-6, rel=1e-12)
+            assert ds["emitter/power_w"].attrs["units"] == "W" and list(ds["emitter/echo"].values) == [True, False]
+            assert list(ds["emitter/polarisation"].values) == ["V", "H"] and list(ds["emitter/platform"].values) == ["mast"] * 2
+            assert bool(ds["emitter/received"].sel(emitter="jammer").all()) and list(ds["emitter/receiver"].values) == ["rx"]
+    with nereus.open(recorded / "r.h5") as ds:
+        assert "emitter" not in ds.dims
+    with nereus.Scenario(scene).stream() as stream:
+        assert [row["antenna"]["name"] for row in stream.info["instrument"]["emitters"]] == ["beacon", "jammer"]
 
 
 def test_samples_are_read_when_they_are_used(recorded, monkeypatch):

@@ -190,11 +190,11 @@ pub(super) fn open_all(radar: &Radar) -> Result<Vec<Antenna>, RadarError> {
     mounts(radar).map(open).collect()
 }
 
-fn decibels(ratio: f64) -> Option<f64> {
+pub(super) fn decibels(ratio: f64) -> Option<f64> {
     (ratio > 0.0 && ratio.is_finite()).then(|| Decibels::from_power_ratio(ratio).0)
 }
 
-fn power(antenna: &Antenna, direction: DVec3) -> f64 {
+pub(super) fn power(antenna: &Antenna, direction: DVec3) -> f64 {
     antenna.field_gain(Vector::from_raw(direction)).norm_sqr()
 }
 
@@ -272,15 +272,15 @@ struct Seen {
 }
 
 /// An antenna at a pulse.
-struct Stood {
-    centre: PhaseCentre,
-    axes: DMat3,
-    basis: PortBasis,
+pub(super) struct Stood {
+    pub(super) centre: PhaseCentre,
+    pub(super) axes: DMat3,
+    pub(super) basis: PortBasis,
 }
 
-struct Sights<'a> {
-    prepared: &'a Prepared,
-    antennas: &'a [Antenna],
+pub(super) struct Sights<'a> {
+    pub(super) prepared: &'a Prepared,
+    pub(super) antennas: &'a [Antenna],
 }
 
 impl Sights<'_> {
@@ -301,22 +301,14 @@ impl Sights<'_> {
             return Ok(Vec::new());
         }
         for moment in self.prepared.spread((PATHS / paths).clamp(FEWEST, MOST)) {
-            let stood = stand(moment)?;
+            let stood = stand(moment, radar)?;
             for (target, seen) in targets.iter().zip(&mut seen) {
                 let at = Scatterer::at(target, moment.elapsed_s);
                 for pair in &pairs {
-                    let ends = [pair.transmitter, radar.transmitters.len() + pair.receiver];
-                    let [tx, rx] = ends.map(|end| &stood[end]);
-                    let path = bistatic(LightTime::Exact, &tx.centre, at.position, at.velocity, &rx.centre);
+                    let (path, powers) = self.of_pair(&stood, *pair, &at);
                     widen(&mut seen.delay_s, path.delay_s);
                     widen(&mut seen.doppler_hz, path.doppler_hz(radar.carrier_hz));
-                    let earth = scene.frame.hiding_earth();
-                    let hidden =
-                        |end: &Stood| horizon::clearance_m(earth, end.centre.position, at.position) < 0.0;
-                    if earth != Earth::Flat && (hidden(tx) || hidden(rx)) {
-                        continue;
-                    }
-                    for (channel, power_w) in self.powers(*pair, ends, [tx, rx], &path, &at) {
+                    for (channel, power_w) in powers {
                         if seen.most.is_none_or(|most| power_w > most.power_w) {
                             seen.most = Some(Strongest { power_w, channel, pulse: moment.pulse });
                         }
@@ -325,6 +317,25 @@ impl Sights<'_> {
             }
         }
         Ok(seen)
+    }
+
+    /// The path of a pair over a scatterer, and its powers in channels, W; none where the earth hides it.
+    pub(super) fn of_pair(
+        &self,
+        stood: &[Stood],
+        pair: Pair,
+        at: &Scatterer<'_>,
+    ) -> (Path, Vec<(usize, f64)>) {
+        let scene = self.prepared.scene();
+        let ends = [pair.transmitter, scene.radar.transmitters.len() + pair.receiver];
+        let [tx, rx] = ends.map(|end| &stood[end]);
+        let path = bistatic(LightTime::Exact, &tx.centre, at.position, at.velocity, &rx.centre);
+        let earth = scene.frame.hiding_earth();
+        let hidden = |end: &Stood| horizon::clearance_m(earth, end.centre.position, at.position) < 0.0;
+        if earth != Earth::Flat && (hidden(tx) || hidden(rx)) {
+            return (path, Vec::new());
+        }
+        (path, self.powers(pair, ends, [tx, rx], &path, at))
     }
 
     /// Powers of a path in the channels of its pair, W.
@@ -363,8 +374,8 @@ impl Sights<'_> {
     }
 }
 
-/// All antennas at a pulse, transmitters first.
-fn stand(at: Moment<'_>) -> Result<Vec<Stood>, BuildErrors> {
+/// All antennas of a radar at a pulse, transmitters first.
+pub(super) fn stand(at: Moment<'_>, radar: &Radar) -> Result<Vec<Stood>, BuildErrors> {
     let of = |(_, mount): (&str, &AntennaMount)| {
         let (centre, frame) = at.antenna(mount)?;
         let axes = DMat3::from_quat(frame.raw());
@@ -372,7 +383,7 @@ fn stand(at: Moment<'_>) -> Result<Vec<Stood>, BuildErrors> {
         let basis = PortBasis::of(PolarisationBasis::of(&mount.pattern), axes, up);
         Ok(Stood { centre, axes, basis })
     };
-    mounts(&at.scene().radar).map(of).collect()
+    mounts(radar).map(of).collect()
 }
 
 fn widen(span: &mut [f64; 2], value: f64) {
@@ -380,7 +391,7 @@ fn widen(span: &mut [f64; 2], value: f64) {
 }
 
 /// A target with the mean cross section of its table, if it has one.
-fn with_mean_of_table(target: &Target) -> Result<Target, RadarError> {
+pub(super) fn with_mean_of_table(target: &Target) -> Result<Target, RadarError> {
     let mut target = target.clone();
     if let Some(aspect) = target.aspect.take() {
         let table = GridPattern::open_as(Quantity::CrossSection, &aspect.path, aspect.floor_dbsm);

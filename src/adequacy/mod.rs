@@ -24,6 +24,7 @@
 
 pub mod description;
 pub mod hidden_targets;
+pub mod emitter_budget;
 pub mod link_budget;
 pub mod polarisation;
 mod ships;

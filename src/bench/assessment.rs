@@ -3,6 +3,7 @@
 use super::plan::{PlanReport, echo_text, not_kept};
 use super::resources::Resources;
 use crate::adequacy::description::{Described, ECHO, LAND, Models, RAIN, described, models};
+use crate::adequacy::emitter_budget::{self, EmitterBudget, emitter_budgets};
 use crate::adequacy::link_budget::{LinkBudget, link_budget};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, adequacy, edge_db, hidden_targets};
@@ -30,6 +31,8 @@ pub struct Assessment {
     pub sea: Option<Adequacy>,
     /// What antennas, noise and pulse interval mean for the targets.
     pub link: Option<LinkBudget>,
+    /// What receivers get of emitters straight.
+    pub emitters: Vec<EmitterBudget>,
     /// What is chosen for the error that is asked; none for the reference.
     pub plan: Option<PlanReport>,
     /// What the run takes.
@@ -48,7 +51,16 @@ impl Assessment {
         warned(&warnings);
         let (first, models) = (warnings.len(), models(run));
         let tracks = Vec::new();
-        let mut found = Self { models, warnings, tracks, sea: None, link: None, plan: None, resources: None };
+        let mut found = Self {
+            models,
+            warnings,
+            tracks,
+            sea: None,
+            link: None,
+            emitters: Vec::new(),
+            plan: None,
+            resources: None,
+        };
         let unknown = without_trajectory(run);
         if unknown.is_empty() {
             found.predict(run)?;
@@ -70,6 +82,8 @@ impl Assessment {
             self.tracks.push(described(&what, note.report.to_string()));
         }
         self.link = Some(link_budget(prepared)?);
+        self.emitters = emitter_budgets(prepared)?;
+        self.warnings.extend(emitter_budget::warnings(&self.emitters));
         self.sea = adequacy(prepared)?;
         if let Some(sea) = &mut self.sea {
             sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;

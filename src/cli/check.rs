@@ -9,7 +9,7 @@ use super::report::Report;
 use super::scenario::{JsonArg, ScenarioArgs};
 use super::{counted, warn};
 use crate::adequacy::description::{scenario, sea, ships};
-use crate::adequacy::link_budget;
+use crate::adequacy::{emitter_budget, link_budget};
 use crate::bench::assessment::Assessment;
 use crate::bench::plan::PlanReport;
 use crate::bench::resources::Resources;
@@ -47,11 +47,13 @@ pub fn assess(run: &Run, warned: impl FnMut(&[String])) -> Result<Report, CliErr
 
 fn report(run: &Run, found: &Assessment) -> Report {
     let mut report = scenario_report(run);
-    let Assessment { models, warnings, tracks, sea, link, plan, resources: forecast } = found;
+    let Assessment { models, warnings, tracks, sea, link, emitters, plan, resources: forecast } = found;
     let platforms = scenario::platforms(run);
     report.section("platforms", &platforms).value("platforms", &platforms);
     report.section("modelled", &models.with).value("modelled", &models.with);
     report.section("link", &link.as_ref().map(link_budget::rows).unwrap_or_default()).value("link", link);
+    let straight = "emitters, direct path at mid-run";
+    report.section(straight, &emitter_budget::rows(emitters)).value("emitters", emitters);
     report.section("sea", &sea.as_ref().map(sea::rows).unwrap_or_default()).value("sea", sea);
     report.section("ships", &sea.as_ref().map(|sea| ships::rows(&sea.ships)).unwrap_or_default());
     report.section("recorded tracks", tracks).value("tracks", tracks);

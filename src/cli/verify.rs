@@ -78,7 +78,7 @@ fn report(verdict: &Verdict) -> Report {
         report.line(format!("  and {} more", counted(more, "fault")));
     }
     for note in &verdict.notes {
-        report.line(format!("  note: {note}"));
+        report.line(format!("  note: {}", escape::name(note)));
     }
     report
 }

@@ -65,11 +65,13 @@ pub(crate) fn received_by(emitter: &Emitter, radar: &Radar) -> Radar {
     heard
 }
 
-/// The scene of an emitter as the radar of another receives it: its emissions are the pulses, up to so long
-/// after the radar's last.
-pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter, after_s: f64) -> Scene {
-    let pulses = emitted_until(scene, &emitter.emissions, after_s);
-    let mut own = Scene { radar: received_by(emitter, &scene.radar), pulses, ..scene.clone() };
+/// The scene of an emitter as the radar of another receives it: its emissions are the pulses, from so long
+/// before the radar's first up to so long after its last.
+pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter, [before_s, after_s]: [f64; 2]) -> Scene {
+    let emissions = emitter.emissions.clone().not_before(-before_s);
+    let pulses = emitted_until(scene, &emissions, after_s);
+    let radar = Radar { emissions, ..received_by(emitter, &scene.radar) };
+    let mut own = Scene { radar, pulses, ..scene.clone() };
     if !emitter.echo {
         own.sea = None;
         own.ships.clear();

@@ -330,7 +330,7 @@ impl PathGenerator {
             self.rain_at(index, &mut workspace, &mut paths)?;
             sum += paths.len();
             let Workspace { other, places, .. } = &mut workspace;
-            let slots = Self::slots_at(self.radar.emissions.interval_s(0, index));
+            let slots = Self::slots_at(self.radar.emissions.elapsed_s(index));
             let mut in_cell = 0.0;
             for slot in slots {
                 in_cell += DROPS / 2.0 / self.begin_slot(&plan, (index, slot), other, places)?;

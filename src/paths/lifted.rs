@@ -53,6 +53,6 @@ impl PathGenerator {
     }
 
     fn last_emission_s(&self) -> f64 {
-        self.radar.emissions.interval_s(0, self.pulses.saturating_sub(1))
+        self.radar.emissions.elapsed_s(self.pulses.saturating_sub(1))
     }
 }

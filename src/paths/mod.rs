@@ -463,7 +463,7 @@ impl PathGenerator {
             plans: &self.plans,
             emission,
             t: self.radar.emissions.emission(self.start, emitted),
-            elapsed_s: self.radar.emissions.interval_s(0, emitted),
+            elapsed_s: self.radar.emissions.elapsed_s(emitted),
             offset_s: self.offset_s(index, emitted),
             tx_pol: self.radar.tx_polarisation.of_pulse(emitted),
             axes_span_s: self.axes_span_s,
@@ -529,7 +529,7 @@ impl PathGenerator {
 
     fn evaluate(&self, index: u64, emission: &mut Emission) -> Result<(), RadarError> {
         let t = self.radar.emissions.emission(self.start, index);
-        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        let elapsed_s = self.radar.emissions.elapsed_s(index);
         emission
             .evaluate(&self.circumstances(), index, t, elapsed_s)
             .map_err(|failure| self.track_error(index, failure))

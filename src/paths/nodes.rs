@@ -66,7 +66,7 @@ impl PathGenerator {
     /// A patch that follows a platform whose track does not cover the pulse.
     pub fn patch_of(&self, index: u64) -> Result<Option<Patch>, RadarError> {
         let Some(sea) = &self.sea else { return Ok(None) };
-        let patch = sea.patch_at(&self.surroundings(), self.radar.emissions.interval_s(0, index));
+        let patch = sea.patch_at(&self.surroundings(), self.radar.emissions.elapsed_s(index));
         Ok(Some(patch.map_err(|failure| self.track_error(index, failure))?))
     }
 
@@ -249,7 +249,7 @@ impl PathGenerator {
         if !self.aspects.is_empty() {
             self.evaluate(index, own)?;
         }
-        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        let elapsed_s = self.radar.emissions.elapsed_s(index);
         own.vary(&self.circumstances(), index, elapsed_s, most_of_run)
             .map_err(|failure| self.track_error(index, failure))?;
         out.clone_from(&own.variation);

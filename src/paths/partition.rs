@@ -71,12 +71,14 @@ impl PathGenerator {
                 part.end = part.end.min(pulse);
             }
         };
-        if let (Some(hold), true) = (self.hold_pulses, self.radar.emissions.is_uniform()) {
+        // In step with the patch: it holds for so many pulses from pulse 0 on.
+        let in_step = self.radar.emissions.is_uniform() && self.radar.emissions.elapsed_s(0) == 0.0;
+        if let (Some(hold), true) = (self.hold_pulses, in_step) {
             // Blocks divide it; emissions of before a block do not.
             [index / hold, index / hold + 1].map(|n| n.saturating_mul(hold)).into_iter().for_each(&mut cut);
-        } else if let (Some(sea), false) = (&self.sea, self.radar.emissions.is_uniform()) {
-            // Where intervals differ a patch that follows need not move between two blocks.
-            let placed_s = |pulse: u64| sea.placed_s(self.radar.emissions.interval_s(0, pulse));
+        } else if let (Some(sea), false) = (&self.sea, in_step) {
+            // Else a patch that follows need not move between two blocks.
+            let placed_s = |pulse: u64| sea.placed_s(self.radar.emissions.elapsed_s(pulse));
             let moves = |pulse: &u64| placed_s(*pulse) != placed_s(pulse - 1);
             (block.start + 1..block.end).filter(|_| sea.moves()).filter(moves).for_each(&mut cut);
         }
@@ -88,7 +90,7 @@ impl PathGenerator {
                 for one in given {
                     // What a servo sees at once it sees at that very pulse, and while others are in the air.
                     if lag_s == 0.0 {
-                        let at_s = self.pulse_times().interval_s(0, one.pulse);
+                        let at_s = self.pulse_times().elapsed_s(one.pulse);
                         let sees_s = at_s - self.axes_span_s;
                         let first =
                             if self.is_apart() { self.first_from(&block, at_s - TIE_S) } else { one.pulse };
@@ -118,7 +120,7 @@ impl PathGenerator {
         let (mut low, mut high) = (block.start, block.end);
         while low < high {
             let middle = low + (high - low) / 2;
-            if self.radar.emissions.interval_s(0, middle) < at_s {
+            if self.radar.emissions.elapsed_s(middle) < at_s {
                 low = middle + 1;
             } else {
                 high = middle;

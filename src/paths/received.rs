@@ -261,7 +261,7 @@ impl PathGenerator {
         index: u64,
         emission: &Emission,
     ) -> Result<Option<(f64, f64)>, RadarError> {
-        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        let elapsed_s = self.radar.emissions.elapsed_s(index);
         let targets = self.with_ships(emission.delay_span_s(), emission, elapsed_s);
         let Some(sea) = &self.sea else { return Ok(targets) };
         let reception = self.reception(index, index, emission, &[]);

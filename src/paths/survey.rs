@@ -117,7 +117,7 @@ impl PathGenerator {
             .map(|index| {
                 let t = self.radar.emissions.emission(self.start, index);
                 let patch = sea::patch_at(&sea.patch, &sea.place, &self.surroundings(), t);
-                let elapsed_s = self.radar.emissions.interval_s(0, index);
+                let elapsed_s = self.radar.emissions.elapsed_s(index);
                 Ok((elapsed_s, patch.map_err(|failure| self.track_error(index, failure))?))
             })
             .collect()
@@ -155,7 +155,7 @@ impl PathGenerator {
         }
         let mut emission = Emission::default();
         self.evaluate(index, &mut emission)?;
-        let elapsed_s = self.radar.emissions.interval_s(0, index);
+        let elapsed_s = self.radar.emissions.elapsed_s(index);
         for target in &self.targets {
             let at = Scatterer::at(target, elapsed_s).position;
             for ((antenna, _), centre) in mounts(&self.radar).zip(&emission.centres) {
@@ -206,8 +206,7 @@ impl PathGenerator {
         if self.pulses == 0 {
             return;
         }
-        let first = self.start;
-        let last = self.radar.emissions.emission(first, self.pulses - 1);
+        let [first, last] = [0, self.pulses - 1].map(|n| self.radar.emissions.emission(self.start, n));
         for (platform, tracks) in self.tracks.iter().enumerate() {
             let mut known = None;
             for (which, track) in [(TrackUse::Truth, &tracks.truth), (TrackUse::Reported, &tracks.reported)] {

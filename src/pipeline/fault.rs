@@ -97,6 +97,17 @@ pub enum BuildError {
         /// At most.
         allowed: f64,
     },
+    /// An emitter that begins after the run.
+    #[error(
+        "emitter '{name}': its first pulse leaves {start_s} s after pulse 0, when the last window has closed; allowed: an earlier \
+         start_us, or a longer run"
+    )]
+    EmitterLate {
+        /// The emitter.
+        name: String,
+        /// Its start, s.
+        start_s: f64,
+    },
     /// The waveform.
     #[error(transparent)]
     Waveform(#[from] WaveformError),

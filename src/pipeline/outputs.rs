@@ -10,7 +10,7 @@ use crate::nav::TrackSource;
 use crate::pipeline::fault::PulseError;
 use crate::recording::crsd::{Described, Description};
 use crate::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
-use crate::recording::instrument::Instrument;
+use crate::recording::instrument::{EmitterRow, Instrument};
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};
@@ -96,7 +96,12 @@ pub(super) fn header(
         seed: scene.seed,
         config: run.text.clone(),
         replica: factory.replica(),
-        instrument: Some(Instrument::of(scene)),
+        instrument: Some(Instrument {
+            emitters: (radar.emitters.iter().zip(factory.emitted()))
+                .map(|(emitter, signal)| EmitterRow::of(emitter, scene, signal))
+                .collect(),
+            ..Instrument::of(scene)
+        }),
         platforms: scene.platforms.clone(),
         transmitters: radar.transmitters.iter().map(|t| t.name.clone()).collect(),
         receivers: radar.receivers.iter().map(|r| r.name.clone()).collect(),

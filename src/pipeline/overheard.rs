@@ -40,6 +40,8 @@ use crate::time::PulseTimes;
 const PULSES: u64 = 512;
 /// Most pulses of an emitter that a window receives.
 const MOST_RECEIVED: f64 = 10_000.0;
+/// Longest way of an emission that is received, s: 30,000 km. What left earlier is not.
+const LONGEST_S: f64 = 0.1;
 /// How much finer than the rest an emitter is planned, dB: there is no dry run of it.
 const FINER_DB: f64 = 6.0;
 
@@ -63,27 +65,38 @@ pub(crate) fn emitting(
     drawn: Drawn<'_>,
 ) -> Result<Vec<Emitting>, BuildErrors> {
     let radar = &scene.radar;
-    // Until the last window closes; where tracks end before that, until the last pulse.
+    // What may reach a window, until the last closes; where tracks begin later or end earlier, from the first
+    // pulse or until the last.
     let closes_s = |gate: &Gate| match gate {
         Gate::Fixed { start_s } => start_s.max(0.0) + window_s(radar),
         Gate::Follow { .. } => 0.0,
     };
     let after_s = (0..radar.receivers.len()).map(|end| closes_s(radar.gate(end))).fold(0.0, f64::max);
-    let until = |emitter, after_s| one((scene, emitter), tracks, drawn, after_s);
-    radar.emitters.iter().map(|emitter| until(emitter, after_s).or_else(|_| until(emitter, 0.0))).collect()
+    let of = |emitter: &Emitter| {
+        let made = |before_s, after_s| one((scene, emitter), tracks, drawn, [before_s, after_s]);
+        let early = emitter.emissions.start_s() < 0.0;
+        made(f64::INFINITY, after_s)
+            .or_else(|fault| if early { made(0.0, after_s) } else { Err(fault) })
+            .or_else(|_| made(0.0, 0.0))
+    };
+    radar.emitters.iter().map(of).collect()
 }
 
-/// An emitter that radiates until so long after the last pulse.
+/// An emitter that radiates from so long before the first pulse until so long after the last.
 fn one(
     (scene, emitter): (&Scene, &Emitter),
     tracks: &[PlatformTracks],
     drawn: Drawn<'_>,
-    after_s: f64,
+    [before_s, after_s]: [f64; 2],
 ) -> Result<Emitting, BuildErrors> {
     let radar = &scene.radar;
-    let own = scene_of(scene, emitter, after_s);
     let waveform = waveform::from_description(&emitter.waveform)?;
     check((&emitter.transmitter.name, &emitter.emissions), waveform.duration_s(), window_s(radar))?;
+    let own = scene_of(scene, emitter, [before_s.min(LONGEST_S + waveform.duration_s()), after_s]);
+    if own.pulses == 0 && scene.pulses > 0 {
+        let (name, start_s) = (emitter.transmitter.name.clone(), emitter.emissions.start_s());
+        return Err(BuildError::EmitterLate { name, start_s }.into());
+    }
     let offset_hz = emitter.carrier_hz - radar.carrier_hz;
     let waveform: Arc<dyn Waveform> = Arc::new(Offset::new(waveform, offset_hz));
     let pulse_s = waveform.duration_s();
@@ -172,6 +185,8 @@ pub(super) fn continuous(
 /// What receivers take of an emitter. Immutable, shared by all threads.
 pub(crate) struct Overheard {
     name: String,
+    /// Bandwidth of its waveform, Hz, and length, s.
+    signal: [f64; 2],
     generator: PathGenerator,
     flown: OnceLock<PathGenerator>,
     engine: Arc<dyn EchoEngine>,
@@ -213,9 +228,20 @@ impl Emitting {
         let most = segment_apart(plan.as_ref(), &scene, &generator, waveform.as_ref());
         let segment = (1..=segment).rev().find(|n| segment.is_multiple_of(*n) && *n <= most).unwrap_or(1);
         let engine = engines::engine(plan.as_ref(), &received, Some(segment), &generator, &waveform)?;
+        let signal = [waveform.bandwidth_hz(), waveform.duration_s()];
         let generator = generator.with_clocks(clocks);
         let (flown, window_samples) = (OnceLock::new(), received.window.samples);
-        Ok(Overheard { name, generator, flown, engine, channels, window_samples, plan, share_of_pulses })
+        Ok(Overheard {
+            name,
+            signal,
+            generator,
+            flown,
+            engine,
+            channels,
+            window_samples,
+            plan,
+            share_of_pulses,
+        })
     }
 }
 
@@ -223,6 +249,11 @@ impl Overheard {
     /// Its name, the share of the pulses that receive it, and what it is made by; `None` for the reference.
     pub fn summary(&self) -> (&str, f64, Option<&Plan>) {
         (&self.name, self.share_of_pulses, self.plan.as_ref())
+    }
+
+    /// Bandwidth of its waveform, Hz, and length, s.
+    pub fn signal(&self) -> [f64; 2] {
+        self.signal
     }
 
     /// Its error over what a pulse has of it on average, a ratio of powers; 0 of the reference.

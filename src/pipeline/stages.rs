@@ -189,6 +189,11 @@ impl PulseFactory {
         self.others.iter().map(|other| other.summary())
     }
 
+    /// Bandwidths of the waveforms of emitters, Hz, and lengths, s.
+    pub(crate) fn emitted(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.others.iter().map(|other| other.signal())
+    }
+
     /// Grids of one worker, bytes.
     pub(crate) fn grid_bytes(&self) -> u64 {
         let own = self.echo.grid_bytes(self.echo_channels());

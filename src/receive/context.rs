@@ -8,7 +8,7 @@ use crate::time::TimeTag;
 use super::packet::{Class, Malformed, Words};
 use super::radar;
 
-pub use super::radar::{AntennaDescription, ReplicaPiece, SignalDescription};
+pub use super::radar::{AntennaDescription, EmitterDescription, ReplicaPiece, SignalDescription};
 
 /// Class identifiers of the extension contexts that are understood.
 const OUI: u32 = 0x004e_4552;
@@ -172,6 +172,8 @@ pub struct RunDescription {
     pub radar: Option<[u32; 2]>,
     /// Receivers with windows of their own; 0 where all receive in the same.
     pub windows: u32,
+    /// Emitters that are described.
+    pub emitters: u32,
 }
 
 /// A channel.
@@ -250,6 +252,8 @@ pub enum Extension {
     Replica(ReplicaPiece),
     /// An antenna.
     Antenna(Box<AntennaDescription>),
+    /// An emitter.
+    Emitter(Box<EmitterDescription>),
 }
 
 impl Extension {
@@ -281,6 +285,7 @@ impl Extension {
             5 => Self::Signal(Box::new(radar::signal(&mut words)?)),
             6 => Self::Replica(radar::replica(words)?),
             7 => Self::Antenna(Box::new(radar::antenna(&mut words)?)),
+            8 => Self::Emitter(Box::new(radar::emitter(&mut words)?)),
             _ => return Ok(None),
         }))
     }
@@ -350,9 +355,9 @@ fn run(words: &mut Words<'_>) -> Result<RunDescription, Malformed> {
     if described.is_some_and(|[antennas, replica]| antennas > radar::ANTENNAS || replica > radar::REPLICA) {
         return Err(Malformed::Value("so many antennas, or so long a replica,"));
     }
-    let windows = if words.is_empty() { 0 } else { words.u32()? };
-    if windows > radar::ANTENNAS {
-        return Err(Malformed::Value("so many receive windows"));
+    let [windows, emitters] = if words.is_empty() { [0; 2] } else { [words.u32()?, words.u32()?] };
+    if windows.max(emitters) > radar::ANTENNAS {
+        return Err(Malformed::Value("so many receive windows or emitters"));
     }
     let sane = |value: f64| value.is_finite() && value > 0.0;
     check_instant(start)?;
@@ -375,5 +380,6 @@ fn run(words: &mut Words<'_>) -> Result<RunDescription, Malformed> {
         software,
         radar: described,
         windows,
+        emitters,
     })
 }

@@ -1,14 +1,16 @@
-//! What a sender describes of its radar: waveform, receive filter, replica, antennas. Senders of earlier
-//! versions do not; a recording of what they send cannot be focused.
+//! What a sender describes of its radar: waveform, receive filter, replica, antennas, emitters. Senders of
+//! earlier versions do not; a recording of what they send cannot be focused.
 
 use std::collections::BTreeMap;
 
 use num_complex::Complex32;
 
 use super::packet::{Malformed, Words};
-use crate::recording::instrument::{AntennaRow, FilterRow, Instrument, Look, WaveformRow};
+use crate::recording::instrument::{
+    AntennaRow, EmitterRow, FilterRow, GateRow, Instrument, Look, WaveformRow,
+};
 
-/// Most antennas and longest replica that are taken.
+/// Most antennas (and as many emitters) and longest replica that are taken.
 pub(super) const ANTENNAS: u32 = 1024;
 pub(super) const REPLICA: u32 = 1 << 20;
 /// Samples that a piece of the replica has at least, but the last one.
@@ -55,20 +57,25 @@ pub struct ReplicaPiece {
 pub struct AntennaDescription {
     /// Its number, and how many there are.
     pub number: [u32; 2],
-    /// Whether it transmits.
-    pub transmits: bool,
+    /// What is said of it: all but the names of platforms.
+    pub row: AntennaRow,
     /// Number of its platform.
     pub platform: u32,
-    /// Phase centre in the body frame, m.
-    pub lever_arm_m: [f64; 3],
-    /// Width and height of its aperture, m, where it has one.
-    pub aperture_m: Option<[f64; 2]>,
     /// Where it looks.
     pub look: Aimed,
-    /// Its name.
-    pub name: String,
-    /// Kind of its pattern.
-    pub pattern: String,
+    /// What a window of its own follows.
+    pub follows: Option<Aimed>,
+}
+
+/// An emitter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EmitterDescription {
+    /// Its antenna; its number, and how many emitters there are.
+    pub antenna: AntennaDescription,
+    /// What is said of it: all but its antenna and the names of receivers.
+    pub row: EmitterRow,
+    /// Numbers of the receivers that take it.
+    pub receivers: Vec<u32>,
 }
 
 /// Numbers that can be calculated with.
@@ -123,25 +130,101 @@ pub(super) fn replica(mut words: Words<'_>) -> Result<ReplicaPiece, Malformed> {
     Ok(ReplicaPiece { first, piece, of, samples })
 }
 
-pub(super) fn antenna(words: &mut Words<'_>) -> Result<AntennaDescription, Malformed> {
-    let number = [words.u32()?, words.u32()?];
-    let (receives, platform) = (words.u32()?, words.u32()?);
+/// What the descriptions of antennas and of emitters have in common.
+fn mount(words: &mut Words<'_>, number: [u32; 2], transmits: bool) -> Result<AntennaDescription, Malformed> {
+    let platform = words.u32()?;
     let lever_arm_m = finite(words)?;
     let aperture_m = match [optional(words)?, optional(words)?] {
         [Some(width_m), Some(height_m)] => Some([width_m, height_m]),
         _ => None,
     };
-    let look = aimed(words)?;
-    Ok(AntennaDescription {
-        number,
-        transmits: receives == 0,
-        platform,
-        lever_arm_m,
-        aperture_m,
-        look,
-        name: words.text()?,
-        pattern: words.text()?,
-    })
+    let row = AntennaRow { transmits, lever_arm_m, aperture_m, ..AntennaRow::default() };
+    Ok(AntennaDescription { number, row, platform, look: aimed(words)?, follows: None })
+}
+
+pub(super) fn antenna(words: &mut Words<'_>) -> Result<AntennaDescription, Malformed> {
+    let number = [words.u32()?, words.u32()?];
+    let transmits = words.u32()? == 0;
+    let mut antenna = mount(words, number, transmits)?;
+    (antenna.row.name, antenna.row.pattern) = (words.text()?, words.text()?);
+    if !words.is_empty() {
+        let kind = words.u32()?;
+        words.u32()?;
+        let [start_s] = finite(words)?;
+        antenna.row.window = match kind {
+            1 => Some(GateRow::Fixed { start_s }),
+            // What it follows is found among the platforms.
+            2 => Some(GateRow::Follow { look: Look::default(), lead_s: start_s }),
+            _ => None,
+        };
+        antenna.follows = Some(aimed(words)?).filter(|_| kind == 2);
+    }
+    Ok(antenna)
+}
+
+pub(super) fn emitter(words: &mut Words<'_>) -> Result<EmitterDescription, Malformed> {
+    let number = [words.u32()?, words.u32()?];
+    let received = words.u32()?;
+    let mut antenna = mount(words, number, true)?;
+    let [carrier_hz, bandwidth_hz, pulse_s] = finite(words)?;
+    let (sweep_hz_per_s, rate_hz) = (optional(words)?, optional(words)?);
+    let [start_s, prf_hz, power_w] = finite(words)?;
+    let (intervals, sent) = (words.u32()?, words.u32()?);
+    let pri_s = (0..sent).map(|_| words.f64()).collect::<Result<_, _>>()?;
+    let count = words.u32()?;
+    let receivers = (0..count).map(|_| words.u32()).collect::<Result<_, _>>()?;
+    (antenna.row.name, antenna.row.pattern) = (words.text()?, words.text()?);
+    let (polarisation, basis) = (words.text()?, words.text()?);
+    let row = EmitterRow {
+        antenna: AntennaRow { name: antenna.row.name.clone(), transmits: true, ..AntennaRow::default() },
+        waveform: WaveformRow { kind: words.text()?, sweep_hz_per_s, rate_hz },
+        carrier_hz,
+        bandwidth_hz,
+        pulse_s,
+        start_s,
+        prf_hz,
+        intervals,
+        pri_s,
+        power_w,
+        polarisation,
+        basis,
+        receivers: Vec::new(),
+        direct_path: received & 1 != 0,
+        echo: received & 2 != 0,
+    };
+    if row.fault(&[]).is_some() {
+        return Err(Malformed::Value("such an emitter"));
+    }
+    Ok(EmitterDescription { antenna, row, receivers })
+}
+
+impl AntennaDescription {
+    /// As recordings have it; `None` on or beside a platform that there is not.
+    fn row(&self, platforms: &[&String]) -> Option<AntennaRow> {
+        let mut row = AntennaRow {
+            platform: (*platforms.get(self.platform as usize)?).clone(),
+            look: self.look.look(platforms)?,
+            ..self.row.clone()
+        };
+        if let (Some(GateRow::Follow { look, .. }), Some(follows)) = (&mut row.window, &self.follows) {
+            *look = follows.look(platforms)?;
+        }
+        Some(row)
+    }
+}
+
+impl EmitterDescription {
+    /// As recordings have it; `None` with a platform or a receiver that there is not.
+    fn row(&self, platforms: &[&String], antennas: &[AntennaRow]) -> Option<EmitterRow> {
+        let names: Vec<&String> =
+            antennas.iter().filter(|antenna| !antenna.transmits).map(|antenna| &antenna.name).collect();
+        let receivers = self.receivers.iter().map(|place| Some((*names.get(*place as usize)?).clone()));
+        Some(EmitterRow {
+            antenna: self.antenna.row(platforms)?,
+            receivers: receivers.collect::<Option<_>>()?,
+            ..self.row.clone()
+        })
+    }
 }
 
 impl Aimed {
@@ -165,6 +248,7 @@ impl Aimed {
 pub(super) struct Radar {
     signal: Option<SignalDescription>,
     antennas: Vec<Option<AntennaDescription>>,
+    emitters: Vec<Option<EmitterDescription>>,
     /// Pieces of the replica by their first samples, and the samples of a piece.
     pieces: BTreeMap<u32, Vec<Complex32>>,
     piece: u32,
@@ -172,6 +256,26 @@ pub(super) struct Radar {
 
 /// Instrument and replica.
 pub(super) type Described = (Instrument, Vec<Complex32>);
+
+/// Takes an entry of a list; whether it agrees with an earlier one.
+fn learn<T: Clone + PartialEq>(list: &mut Vec<Option<T>>, number: [u32; 2], found: T) -> bool {
+    let [number, of] = number.map(|n| n as usize);
+    if !list.is_empty() && list.len() != of {
+        return false;
+    }
+    list.resize_with(of, || None);
+    let Some(known) = list.get_mut(number) else { return false };
+    *known.get_or_insert_with(|| found.clone()) == found
+}
+
+/// Forgets what contradicts an entry: itself, or all where their number has changed.
+fn forget<T>(list: &mut Vec<Option<T>>, [number, of]: [u32; 2]) {
+    let same = list.len() == of as usize;
+    match list.get_mut(number as usize) {
+        Some(known) if same => *known = None,
+        _ => list.clear(),
+    }
+}
 
 impl Radar {
     /// Takes a description of waveform and filter; whether it agrees with an earlier one.
@@ -181,13 +285,12 @@ impl Radar {
 
     /// Takes an antenna.
     pub(super) fn learn_antenna(&mut self, antenna: AntennaDescription) -> bool {
-        let [number, of] = antenna.number.map(|n| n as usize);
-        if !self.antennas.is_empty() && self.antennas.len() != of {
-            return false;
-        }
-        self.antennas.resize_with(of, || None);
-        let Some(known) = self.antennas.get_mut(number) else { return false };
-        *known.get_or_insert_with(|| antenna.clone()) == antenna
+        learn(&mut self.antennas, antenna.number, antenna)
+    }
+
+    /// Takes an emitter.
+    pub(super) fn learn_emitter(&mut self, emitter: EmitterDescription) -> bool {
+        learn(&mut self.emitters, emitter.antenna.number, emitter)
     }
 
     /// Takes a piece of the replica, if the run announces it: nothing is held that nobody waits for.
@@ -208,13 +311,14 @@ impl Radar {
         self.signal = None;
     }
 
-    /// Forgets what contradicts an antenna: itself, or all where their number has changed.
-    pub(super) fn forget_antenna(&mut self, [number, of]: [u32; 2]) {
-        let same = self.antennas.len() == of as usize;
-        match self.antennas.get_mut(number as usize) {
-            Some(known) if same => *known = None,
-            _ => self.antennas.clear(),
-        }
+    /// Forgets what contradicts an antenna.
+    pub(super) fn forget_antenna(&mut self, number: [u32; 2]) {
+        forget(&mut self.antennas, number);
+    }
+
+    /// Forgets what contradicts an emitter.
+    pub(super) fn forget_emitter(&mut self, number: [u32; 2]) {
+        forget(&mut self.emitters, number);
     }
 
     /// Forgets what contradicts a piece of the replica: itself, or all where the pieces were of another
@@ -236,6 +340,7 @@ impl Radar {
     pub(super) fn described(
         &self,
         announced: Option<[u32; 2]>,
+        emitters: u32,
         platforms: &[&String],
     ) -> Option<Option<Described>> {
         let Some([antennas, samples]) = announced else { return Some(None) };
@@ -246,17 +351,17 @@ impl Radar {
         if known.len() != antennas as usize || got != samples as usize {
             return None;
         }
-        let row = |antenna: &&AntennaDescription| {
-            Some(AntennaRow {
-                name: antenna.name.clone(),
-                transmits: antenna.transmits,
-                platform: (*platforms.get(antenna.platform as usize)?).clone(),
-                lever_arm_m: antenna.lever_arm_m,
-                pattern: antenna.pattern.clone(),
-                aperture_m: antenna.aperture_m,
-                look: antenna.look.look(platforms)?,
-            })
+        let others: Vec<&EmitterDescription> = if emitters == 0 {
+            Vec::new()
+        } else {
+            self.emitters.iter().map(Option::as_ref).collect::<Option<_>>()?
         };
+        if others.len() != emitters as usize {
+            return None;
+        }
+        let antennas =
+            known.iter().map(|antenna| antenna.row(platforms)).collect::<Option<Vec<AntennaRow>>>()?;
+        let emitters = others.iter().map(|emitter| emitter.row(platforms, &antennas));
         let instrument = Instrument {
             waveform: signal.waveform.clone(),
             filter: signal.filter.clone(),
@@ -267,7 +372,8 @@ impl Radar {
             },
             continuous: signal.window.kind == 0 && signal.window.platform == 1,
             middle_m: signal.middle_m,
-            antennas: known.iter().map(row).collect::<Option<_>>()?,
+            emitters: emitters.collect::<Option<_>>()?,
+            antennas,
         };
         Some(Some((instrument, self.pieces.values().flatten().copied().collect())))
     }

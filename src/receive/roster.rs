@@ -23,6 +23,7 @@ const RUN_STREAM: u32 = 0x4000_0000;
 const SIGNAL_STREAM: u32 = 0x5000_0000;
 const REPLICA_STREAM: u32 = 0x6000_0000;
 const ANTENNA_STREAMS: u32 = 0x7000_0000;
+const EMITTER_STREAMS: u32 = 0x8000_0000;
 
 /// Whether a stream is one that may have standard contexts.
 pub(super) fn has_contexts(stream: u32) -> bool {
@@ -40,6 +41,7 @@ pub(super) fn belongs(stream: u32, extension: &Extension) -> bool {
         Extension::Signal(_) => (SIGNAL_STREAM, [0, 1], 1),
         Extension::Replica(_) => (REPLICA_STREAM, [0, 1], 1),
         Extension::Antenna(antenna) => (ANTENNA_STREAMS, antenna.number, ANTENNAS as usize),
+        Extension::Emitter(emitter) => (EMITTER_STREAMS, emitter.antenna.number, ANTENNAS as usize),
     };
     number < of && (of as usize) <= most && stream == first + number
 }
@@ -124,6 +126,7 @@ impl Roster {
                 self.radar.learn_piece(piece, self.run.as_ref().and_then(|run| run.radar))
             }
             Extension::Antenna(antenna) => self.radar.learn_antenna(*antenna),
+            Extension::Emitter(emitter) => self.radar.learn_emitter(*emitter),
         };
         self.contradictions += u64::from(!agrees);
         self.complete();
@@ -141,6 +144,7 @@ impl Roster {
             Extension::Signal(_) => self.radar.forget_signal(),
             Extension::Replica(piece) => self.radar.forget_piece(piece),
             Extension::Antenna(antenna) => self.radar.forget_antenna(antenna.number),
+            Extension::Emitter(emitter) => self.radar.forget_emitter(emitter.antenna.number),
             Extension::Platform(..) => self.platforms.clear(),
             Extension::Channel(_) => self.channels.clear(),
         }
@@ -198,7 +202,7 @@ impl Roster {
         if names.is_empty() || total == 0 || total > SAMPLES || !alike {
             return None;
         }
-        let (instrument, replica) = self.radar.described(run.radar, &names)?.unzip();
+        let (instrument, replica) = self.radar.described(run.radar, run.emitters, &names)?.unzip();
         let antennas = |transmit: bool| -> Vec<String> {
             let all = instrument.iter().flat_map(|instrument: &Instrument| &instrument.antennas);
             all.filter(|antenna| antenna.transmits == transmit).map(|antenna| antenna.name.clone()).collect()
@@ -282,5 +286,5 @@ pub(super) fn same_run(a: &RunDescription, b: &RunDescription) -> bool {
     };
     bits(a) == bits(b)
         && (a.start.0, a.seed, a.first_pulse, a.pulses) == (b.start.0, b.seed, b.first_pulse, b.pulses)
-        && a.radar == b.radar
+        && (a.radar, a.windows, a.emitters) == (b.radar, b.windows, b.emitters)
 }

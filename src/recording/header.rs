@@ -7,7 +7,7 @@ use num_complex::Complex32;
 use serde::{Deserialize, Serialize};
 
 use super::fault::RecordingError;
-use super::instrument::{AntennaRow, Instrument, Look};
+use super::instrument::{AntennaRow, EmitterRow, GateRow, Instrument, Look};
 use super::shard::Shard;
 use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse, SampleFormat, Samples};
@@ -240,10 +240,17 @@ impl Header {
             let allowed = "the antennas of the recording in their order, on its platforms; finite numbers";
             return refuse("instrument", found, allowed);
         }
+        if let Some(found) = self.emitters().iter().find_map(|emitter| emitter.fault(&self.receivers)) {
+            let allowed = "figures of a radar, an interval of 1e-10 to 1e4 s for each that is announced, \
+                           receivers of the recording";
+            return refuse("emitters", found, allowed);
+        }
         let antennas = || self.transmitters.iter().chain(&self.receivers);
+        let emitters = self.emitters().iter().map(|emitter| &emitter.antenna.name);
         for (field, names) in [
             ("platforms", self.platforms.iter().collect::<Vec<_>>()),
             ("transmitters and receivers", antennas().collect()),
+            ("emitters", emitters.chain(antennas()).collect()),
         ] {
             let mut seen = BTreeSet::new();
             for name in names {
@@ -321,16 +328,17 @@ impl Header {
     /// What of the instrument does not agree with the rest, or cannot be calculated with.
     fn instrument_fault(&self) -> Option<String> {
         let instrument = self.instrument.as_ref()?;
-        let antennas = &instrument.antennas;
-        let names = || antennas.iter().map(|antenna| antenna.name.as_str());
+        let names = || instrument.antennas.iter().map(|antenna| antenna.name.as_str());
         if !names().eq(self.antennas()) {
             return Some(format!("antennas {:?}", names().collect::<Vec<_>>()));
         }
-        let lost = antennas.iter().find(|antenna| !self.platforms.contains(&antenna.platform));
+        let emitters = instrument.emitters.iter().map(|emitter| &emitter.antenna);
+        let antennas = instrument.antennas.iter().chain(emitters);
+        let lost = antennas.clone().find(|antenna| !self.platforms.contains(&antenna.platform));
         if let Some(AntennaRow { name, platform, .. }) = lost {
             return Some(format!("antenna '{}' on '{}'", name.escape_debug(), platform.escape_debug()));
         }
-        for look in antennas.iter().map(|antenna| &antenna.look).chain(&instrument.window) {
+        for look in antennas.clone().flat_map(AntennaRow::looks).chain(&instrument.window) {
             let numbers = look.numbers();
             if !numbers.iter().all(|number| number.is_finite()) {
                 return Some(format!("a place to look at of {numbers:?}"));
@@ -341,7 +349,13 @@ impl Header {
                 return Some(format!("a place to look at beside '{}'", platform.escape_debug()));
             }
         }
-        let lengths = antennas.iter().flat_map(|antenna| antenna.lever_arm_m).chain(instrument.middle_m);
+        let starts_s = antennas.clone().filter_map(|antenna| match antenna.window.as_ref()? {
+            GateRow::Fixed { start_s: s } | GateRow::Follow { lead_s: s, .. } => Some(*s),
+        });
+        if let Some(s) = starts_s.into_iter().find(|s| !s.is_finite()) {
+            return Some(format!("a window after {s} s"));
+        }
+        let lengths = antennas.flat_map(|antenna| antenna.lever_arm_m).chain(instrument.middle_m);
         lengths.into_iter().find(|m| !m.is_finite()).map(|m| format!("a length of {m} m"))
     }
 
@@ -408,6 +422,11 @@ impl Header {
         ]
         .into_iter()
         .find_map(|(field, same)| (!same).then_some(field))
+    }
+
+    /// What radiates besides the radar.
+    pub fn emitters(&self) -> &[EmitterRow] {
+        self.instrument.as_ref().map_or(&[], |instrument| &instrument.emitters)
     }
 
     /// Names of the antennas in the order of the phase centres.

@@ -1,6 +1,6 @@
 //! What a processor of the samples needs to know of the radar apart from its figures: waveform, receive
-//! filter, antennas, where they look. It is in every recording (attribute `instrument`, JSON) and on the
-//! wire, so that an image needs no scenario.
+//! filter, antennas, where they look, and of emitters beside it. It is in every recording (attribute
+//! `instrument`, JSON) and on the wire, so that an image needs no scenario.
 //!
 //! ```
 //! use nereus::recording::instrument::{Instrument, Look};
@@ -18,7 +18,10 @@ use serde::{Deserialize, Serialize};
 use crate::frames::{Body, Vector};
 use crate::radar::filter::ReceiveFilter;
 use crate::scene::Scene;
-use crate::scene::radar::{Aim, AntennaMount, Gate, Pattern, Pointing, Sweep, Waveform};
+use crate::scene::radar::{
+    Aim, AntennaMount, Emitter, Gate, Pattern, Pointing, PolarisationBasis, Receiver, Sweep, Transmitter,
+    Waveform,
+};
 use crate::scene::sea::PatchPlace;
 
 /// What a processor needs to know of the radar.
@@ -40,6 +43,9 @@ pub struct Instrument {
     pub middle_m: [f64; 2],
     /// Antennas: transmitters, then receivers.
     pub antennas: Vec<AntennaRow>,
+    /// What radiates besides; recordings without any do not mention it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub emitters: Vec<EmitterRow>,
 }
 
 /// The transmitted baseband pulse, apart from its bandwidth and length.
@@ -81,6 +87,64 @@ pub struct AntennaRow {
     pub aperture_m: Option<[f64; 2]>,
     /// Where it looks.
     pub look: Look,
+    /// Where the window of a receiver opens that has a gate of its own; none where that of the radar holds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window: Option<GateRow>,
+}
+
+/// Where a receive window of its own opens.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum GateRow {
+    /// A fixed time after the emission.
+    Fixed {
+        /// Start after the emission, s.
+        start_s: f64,
+    },
+    /// So long before the echo of an aim point.
+    Follow {
+        /// The aim point.
+        look: Look,
+        /// How much earlier the window opens, s.
+        lead_s: f64,
+    },
+}
+
+/// An emitter beside the transmitters of the radar, and who receives it. Emission `k` leaves `start_s` plus
+/// `k` intervals after pulse 0.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EmitterRow {
+    /// Its antenna, by whose name it goes.
+    pub antenna: AntennaRow,
+    /// What it radiates.
+    pub waveform: WaveformRow,
+    /// Carrier, Hz.
+    pub carrier_hz: f64,
+    /// Bandwidth of the waveform, Hz.
+    pub bandwidth_hz: f64,
+    /// Length of the waveform, s.
+    pub pulse_s: f64,
+    /// Emission 0 minus pulse 0 of the radar, s.
+    pub start_s: f64,
+    /// Mean pulse repetition frequency, Hz.
+    pub prf_hz: f64,
+    /// Intervals that it has in turn: 1 where all are equal.
+    pub intervals: u32,
+    /// These, s; empty where all are equal, and where a datagram of the wire had no room for them.
+    pub pri_s: Vec<f64>,
+    /// Peak power, W.
+    pub power_w: f64,
+    /// Letter of its polarisation.
+    pub polarisation: String,
+    /// Basis of that ([`PolarisationBasis::name`]).
+    pub basis: String,
+    /// Names of the receivers that take it.
+    pub receivers: Vec<String>,
+    /// Whether they take its direct path.
+    pub direct_path: bool,
+    /// Whether they take its echoes.
+    pub echo: bool,
 }
 
 /// Where an antenna or a receive window looks.
@@ -170,7 +234,27 @@ impl AntennaRow {
             pattern: pattern.to_owned(),
             aperture_m,
             look: Look::of(&mount.pointing, platforms),
+            window: None,
         }
+    }
+
+    fn of_receiver(receiver: &Receiver, platforms: &[String]) -> Self {
+        let window = receiver.gate.as_ref().map(|gate| match gate {
+            Gate::Fixed { start_s } => GateRow::Fixed { start_s: *start_s },
+            Gate::Follow { aim, lead_s, .. } => {
+                GateRow::Follow { look: Look::at(aim, platforms), lead_s: *lead_s }
+            }
+        });
+        Self { window, ..Self::of(&receiver.name, false, &receiver.antenna, platforms) }
+    }
+
+    /// Every place that it looks at, or its window follows.
+    pub(super) fn looks(&self) -> impl Iterator<Item = &Look> {
+        let follows = match &self.window {
+            Some(GateRow::Follow { look, .. }) => Some(look),
+            _ => None,
+        };
+        follows.into_iter().chain([&self.look])
     }
 
     /// Whether it radiates alike in all directions, so that where it looks is no aim.
@@ -187,6 +271,76 @@ impl AntennaRow {
 
 const ISOTROPIC: &str = "isotropic";
 
+impl WaveformRow {
+    fn of(waveform: &Waveform) -> Self {
+        let (kind, sweep_hz_per_s, rate_hz) = match waveform {
+            Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
+                let sign = if *sweep == Sweep::Up { 1.0 } else { -1.0 };
+                ("lfm", Some(sign * bandwidth_hz / duration_s), None)
+            }
+            Waveform::Samples { rate_hz, .. } => ("samples", None, Some(*rate_hz)),
+        };
+        Self { kind: kind.to_owned(), sweep_hz_per_s, rate_hz }
+    }
+}
+
+impl EmitterRow {
+    /// That of an emitter of a scene, whose waveform has this bandwidth and length.
+    pub fn of(emitter: &Emitter, scene: &Scene, [bandwidth_hz, pulse_s]: [f64; 2]) -> Self {
+        let Emitter { transmitter, emissions, .. } = emitter;
+        let receivers = emitter.receivers.iter().filter_map(|place| scene.radar.receivers.get(*place));
+        let pri_s = emissions.intervals_s();
+        Self {
+            antenna: AntennaRow::of(&transmitter.name, true, &transmitter.antenna, &scene.platforms),
+            waveform: WaveformRow::of(&emitter.waveform),
+            carrier_hz: emitter.carrier_hz,
+            bandwidth_hz,
+            pulse_s,
+            start_s: emissions.start_s(),
+            prf_hz: emissions.mean_prf_hz(),
+            intervals: pri_s.len().max(1) as u32,
+            pri_s,
+            power_w: transmitter.power_w,
+            polarisation: emitter.polarisation.letter().to_string(),
+            basis: PolarisationBasis::of(&transmitter.antenna.pattern).name().to_owned(),
+            receivers: receivers.map(|receiver| receiver.name.clone()).collect(),
+            direct_path: emitter.direct_path,
+            echo: emitter.echo,
+        }
+    }
+
+    /// What of it cannot be.
+    pub(crate) fn fault(&self, receivers: &[String]) -> Option<String> {
+        let Self { antenna, pri_s, .. } = self;
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let signal = [self.carrier_hz, self.bandwidth_hz, self.pulse_s, self.prf_hz, self.power_w];
+        let most = [1e12, 1e12, 1e6, 1e9, 1e15];
+        let shape = [self.waveform.sweep_hz_per_s, self.waveform.rate_hz];
+        let what = if !signal.iter().zip(most).all(|(value, most)| (0.0..=most).contains(value))
+            || self.carrier_hz == 0.0
+            || self.prf_hz < 1e-6
+        {
+            format!("carrier, bandwidth, length, PRF and power of {signal:?}")
+        } else if !(self.start_s.abs() <= 1e6 && shape.iter().flatten().all(|value| value.is_finite())) {
+            format!("a start of {} s, a sweep and a rate of {shape:?}", self.start_s)
+        } else if self.intervals == 0
+            || !(pri_s.is_empty() || pri_s.len() == self.intervals as usize)
+            || !pri_s.iter().all(|pri_s| (1e-10..=1e4).contains(pri_s))
+        {
+            format!("{} intervals for {}, or one that is none", pri_s.len(), self.intervals)
+        } else if let Some(name) = self.receivers.iter().find(|name| !receivers.contains(name)) {
+            format!("the receiver '{}'", name.escape_debug())
+        } else if !antenna.transmits || antenna.window.is_some() || self.polarisation.chars().count() != 1 {
+            format!("polarisation '{}', or an antenna that receives", self.polarisation.escape_debug())
+        } else if !finite(&antenna.aperture_m.unwrap_or_default()) {
+            format!("an aperture of {:?} m", antenna.aperture_m)
+        } else {
+            return None;
+        };
+        Some(format!("'{}': {what}", antenna.name.escape_debug()))
+    }
+}
+
 impl Instrument {
     pub(super) fn to_json(&self) -> String {
         serde_json::json!(self).to_string()
@@ -196,16 +350,9 @@ impl Instrument {
         serde_json::from_str(text)
     }
 
-    /// That of a scene.
+    /// That of a scene, without its emitters, whose waveforms may be files.
     pub fn of(scene: &Scene) -> Self {
         let radar = &scene.radar;
-        let (kind, sweep_hz_per_s, rate_hz) = match &radar.waveform {
-            Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
-                let sign = if *sweep == Sweep::Up { 1.0 } else { -1.0 };
-                ("lfm", Some(sign * bandwidth_hz / duration_s), None)
-            }
-            Waveform::Samples { rate_hz, .. } => ("samples", None, Some(*rate_hz)),
-        };
         let [flat_hz, zero_hz] = ReceiveFilter::new(radar.sample_rate_hz).edges_hz();
         let still = scene.sea.as_ref().filter(|sea| sea.place == PatchPlace::Fixed).map(|sea| &sea.patch);
         let middle = |axis: usize| {
@@ -214,10 +361,9 @@ impl Instrument {
             })
         };
         let platforms = &scene.platforms;
-        let transmitters = radar.transmitters.iter().map(|end| (&end.name, true, &end.antenna));
-        let receivers = radar.receivers.iter().map(|end| (&end.name, false, &end.antenna));
+        let row = |end: &Transmitter| AntennaRow::of(&end.name, true, &end.antenna, platforms);
         Self {
-            waveform: WaveformRow { kind: kind.to_owned(), sweep_hz_per_s, rate_hz },
+            waveform: WaveformRow::of(&radar.waveform),
             filter: FilterRow { kind: "raised-cosine".to_owned(), flat_hz, zero_hz },
             earth_radius_factor: scene.frame.earth().radius_factor(),
             window: match &radar.window.gate {
@@ -226,10 +372,10 @@ impl Instrument {
             },
             continuous: radar.sent.is_some(),
             middle_m: [0, 1].map(middle),
-            antennas: transmitters
-                .chain(receivers)
-                .map(|(name, transmits, mount)| AntennaRow::of(name, transmits, mount, platforms))
+            antennas: (radar.transmitters.iter().map(row))
+                .chain(radar.receivers.iter().map(|end| AntennaRow::of_receiver(end, platforms)))
                 .collect(),
+            emitters: Vec::new(),
         }
     }
 

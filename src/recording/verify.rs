@@ -27,6 +27,7 @@ use serde::Serialize;
 
 use super::columns::{Column, INDEX, Rows, columns};
 use super::fault::{READING, RecordingError};
+use super::instrument::EmitterRow;
 use super::source::Source;
 use crate::files::FileFault;
 use crate::inputs;
@@ -198,6 +199,11 @@ pub fn verify(path: &Path) -> Result<Verdict, RecordingError> {
     order(path, &source, &list, &mut verdict);
     if verdict.missing > 0 {
         verdict.notes.push(format!("{} of the {} pulses of the run", verdict.pulses, verdict.asked));
+    }
+    for EmitterRow { antenna, carrier_hz, prf_hz, receivers, .. } in header.emitters() {
+        let receivers = receivers.join(", ");
+        let how = format!("{carrier_hz} Hz, {prf_hz} pulses/s, received by {receivers}");
+        verdict.notes.push(format!("emitter {} on {}: {how}", antenna.name, antenna.platform));
     }
     if !source.has_checksums() {
         verdict.notes.push("without checksums: a changed sample that is a number is not seen".to_owned());

@@ -375,7 +375,7 @@ pub struct Emitter {
     pub carrier_hz: f64,
     /// What it radiates.
     pub waveform: Waveform,
-    /// When its pulses leave, relative to pulse 0 of the radar, until the last window closes.
+    /// When its pulses leave, before or after pulse 0 of the radar, until the last window closes.
     pub emissions: PulseTimes,
     /// Polarisation of all of them.
     pub polarisation: Polarisation,

@@ -58,6 +58,7 @@ pub fn of_run(header: &Header, source: u64) -> Value {
         "start_time_frac_ns": start_frac_ns,
         "first_pulse": header.first_pulse,
         "pulses": header.pulses,
+        "instrument": header.instrument,
         "replica": header.replica.iter().map(|sample| [sample.re, sample.im]).collect::<Vec<_>>(),
     })
 }

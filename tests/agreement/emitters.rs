@@ -137,10 +137,13 @@ fn an_emitter_adds_what_a_transmitter_would_have_had() {
 #[test]
 fn a_continuous_carrier_keeps_its_phase() {
     let (prf_hz, offset_hz, power_w, distance_m) = (8000.0, 3.7e6, 5.0f64, 5000.0);
-    for (echo, train, least_db) in some_of([
-        ("reference", "prf_hz = 317.0", -60.0),
-        ("fast", "prf_hz = 317.0", -60.0),
-        ("fast", "pri_us = [3100, 3250.5, 2900.25]", -60.0),
+    for (echo, train, start_us, least_db) in some_of([
+        ("reference", "prf_hz = 317.0", 0.0, -60.0),
+        // Under way when the first window opens; a jump by df would turn it by a third of a turn.
+        ("reference", "prf_hz = 317.0", -1234.567, -60.0),
+        ("fast", "prf_hz = 317.0", -1234.567, -60.0),
+        ("fast", "prf_hz = 317.0", 0.0, -60.0),
+        ("fast", "pri_us = [3100, 3250.5, 2900.25]", -3e8 + 0.25, -60.0),
     ]) {
         let emitter = format!(
             r#"
@@ -156,6 +159,7 @@ fn a_continuous_carrier_keeps_its_phase() {
             platform = "far"
             carrier_hz = {:?}
             prf_hz = {prf_hz:?}
+            start_us = {start_us:?}
             power_w = {power_w:?}
             echo = false
             antenna = {{ kind = "isotropic" }}
@@ -176,8 +180,9 @@ fn a_continuous_carrier_keeps_its_phase() {
         let wavelength_m = C / (9.4e9 + offset_hz);
         let amplitude = power_w.sqrt() * wavelength_m / (2.0 * TAU * distance_m);
         let emissions = &run.scene.radar.emissions;
-        // The first windows open before the carrier arrives.
-        for (index, pulse) in (5..).zip(samples(&run, 5..5 + sized(40, 10))) {
+        // Without a start of its own it arrives after the first windows have opened.
+        let first = if start_us < 0.0 { 0 } else { 5 };
+        for (index, pulse) in (first..).zip(samples(&run, first..first + sized(40, 10))) {
             let opens_s = emissions.interval_s(0, index) + 40e-6;
             let expected = |j: usize| {
                 let t_s = opens_s + j as f64 / 40e6;
@@ -186,8 +191,72 @@ fn a_continuous_carrier_keeps_its_phase() {
             };
             let off: Vec<Complex64> = pulse[0].iter().enumerate().map(|(j, s)| s - expected(j)).collect();
             let off_db = 10.0 * (power(&off) / (pulse[0].len() as f64 * amplitude * amplitude)).log10();
-            assert!(off_db < least_db, "{echo}, {train}, pulse {index}: {off_db} dB");
+            assert!(off_db < least_db, "{echo}, {train}, {start_us} us, pulse {index}: {off_db} dB");
         }
+    }
+}
+
+/// A pulse that starts so long after pulse 0 lies in the window where start, interval and light time put it:
+/// the centroid of its power is that of an even envelope behind an even filter.
+#[test]
+fn a_start_puts_pulses_into_their_place() {
+    let (distance_m, pulse_s, fs_hz) = (3000.0, 2e-6, 40e6);
+    for (echo, start_us, train) in some_of([
+        ("reference", 12.345_678_9, "prf_hz = 317.0"),
+        ("fast", 12.345_678_9, "prf_hz = 317.0"),
+        ("fast", -20_000.0 + 0.1234, "pri_us = [2100, 1900]"),
+    ]) {
+        let emitter = format!(
+            r#"
+            [[platform]]
+            name = "mast"
+            track = {{ kind = "fixed", position_m = [0, 0, 0] }}
+            [[platform]]
+            name = "far"
+            track = {{ kind = "fixed", position_m = [0, {distance_m:?}, 0] }}
+            [[emitter]]
+            name = "beacon"
+            polarisation = "V"
+            platform = "far"
+            pri_us = [2000]
+            start_us = {start_us:?}
+            power_w = 1.0
+            echo = false
+            antenna = {{ kind = "isotropic" }}
+            waveform = {{ kind = "lfm", bandwidth_hz = 1e-3, pulse_s = {pulse_s:?} }}
+            "#
+        );
+        let listens = [
+            ("fidelity.echo", echo),
+            ("fidelity.error_db", "-80"),
+            ("receiver.0.platform", "mast"),
+            ("receiver.0.antenna", "{ kind = 'isotropic' }"),
+            ("target.0.rcs_dbsm", "-300"),
+        ];
+        let window = "window = { samples = 65536, start_us = 3 }";
+        let run = run(false, &format!("{train}\nchannels = [\"VV\"]\n{window}"), &emitter, &listens);
+        let emissions = run.scene.radar.emissions.clone();
+        let mut found = 0;
+        for (index, pulse) in (0..).zip(samples(&run, 0..sized(20, 8))) {
+            let opens_s = emissions.interval_s(0, index) + 3e-6;
+            let arrives_s = |k: i64| start_us * 1e-6 + k as f64 * 2e-3 + distance_m / C;
+            let k = ((opens_s - arrives_s(0)) / 2e-3).ceil() as i64;
+            let begins = (arrives_s(k) - opens_s) * fs_hz;
+            let lasts = pulse_s * fs_hz;
+            if k < 0 || !(200.0..65_536.0 - 200.0 - lasts).contains(&begins) {
+                continue;
+            }
+            let about = begins as usize - 150..(begins + lasts) as usize + 150;
+            let (sum, moment) = about.fold((0.0, 0.0), |(sum, moment), j| {
+                let power = pulse[0][j].norm_sqr();
+                (sum + power, moment + j as f64 * power)
+            });
+            let off = moment / sum - (begins + 0.5 * lasts);
+            // Ringing that is cut off at 150 samples: under 1e-6 of the power, times those.
+            assert!(off.abs() < 2e-4, "{echo}, pulse {index}: {off} samples");
+            found += 1;
+        }
+        assert!(found > 2, "{echo}, {train}: {found}");
     }
 }
 
@@ -204,6 +273,8 @@ fn emitters_keep_the_error() {
     let seldom = of("pri_us = [700, 811.5]", "carrier_hz = 9.395e9\npolarisation = \"R\"");
     // In windows much shorter than its pulses.
     let long = of("prf_hz = 400.0", "").replace("pulse_s = 3e-6", "pulse_s = 2.5e-4");
+    let early = of("prf_hz = 9733.0\nstart_us = -431.25", "carrier_hz = 9.41e9\npolarisation = \"V\"");
+    let late = of("pri_us = [700, 811.5]\nstart_us = 40123.75", "polarisation = \"R\"");
     let two = format!("{often}\n{}", seldom.replace("jam", "buzz"));
     let still = "prf_hz = 800.0\nchannels = [\"HH\", \"VV\"]";
     let turns = "pri_us = [1200, 1300, 1250]\nchannels = [\"HH\", \"VV\"]\ntx_polarisation = \"alternating\"";
@@ -214,6 +285,8 @@ fn emitters_keep_the_error() {
         ("coarse", still, &two, "-40"),
         ("fine", still, &two, "-80"),
         ("long", still, &long, "-60"),
+        ("early", still, &early, "-60"),
+        ("late, a radar that staggers and alternates", turns, &late, "-60"),
         ("exact", turns, &two, "-100"),
     ]) {
         let run = run(true, &format!("{radar}\n{WINDOW}"), emitters, &[("fidelity.error_db", asked)]);

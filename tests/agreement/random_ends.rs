@@ -49,6 +49,10 @@ pub(super) fn emitters(draw: &mut Draw, (geometry, signal): (&Geometry, &Signal)
         } else {
             line!(out, "prf_hz = {prf_hz:?}");
         }
+        if draw.chance(0.5) {
+            // Some intervals sooner or later than the radar.
+            line!(out, "start_us = {:?}", draw.between(-4.0, 4.0) * 1e6 / prf_hz);
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 
 #[path = "../support/cases.rs"]
 mod cases;
+mod emitters;
 #[cfg(all(unix, feature = "serial"))]
 mod gpsd;
 #[path = "../support/listing.rs"]

@@ -87,6 +87,7 @@ pub fn instrument() -> Instrument {
                 pattern: text("isotropic"),
                 aperture_m: None,
                 look: Look::Body { yaw_rad: 0.5, pitch_rad: -0.25, roll_rad: 0.125 },
+                window: None,
             },
             AntennaRow {
                 name: text("pod"),
@@ -96,8 +97,10 @@ pub fn instrument() -> Instrument {
                 pattern: text("rectangle"),
                 aperture_m: Some([4.0, 0.05]),
                 look: Look::Beside { platform: text("aircraft"), along_m: 5.0, across_m: -3000.0 },
+                window: None,
             },
         ],
+        emitters: Vec::new(),
     }
 }
 

@@ -132,7 +132,7 @@ fn samples_of_a_channel_are_complex64_at_its_port() {
 #[test]
 fn multipart_messages_hold_header_and_channels() {
     for format in [SampleFormat::Cf32, SampleFormat::Ci16] {
-        let header = header(format);
+        let header = Header { pulses: 100, ..crate::emitters::disturbed(format) };
         let mut sink = open(&header, Messages::Multipart, 64);
         let mut sub = Sub::to(sink.addresses()[0], b"");
         let mut only_pulses = Sub::to(sink.addresses()[0], b"pul");
@@ -145,6 +145,7 @@ fn multipart_messages_hold_header_and_channels() {
                 let run: Value = serde_json::from_slice(&run[1]).unwrap();
                 assert_eq!(run["channels"][1]["name"], "HV");
                 assert_eq!((&run["carrier_hz"], &run["pulses"]), (&10e9.into(), &100.into()));
+                assert_eq!(run["instrument"]["emitters"], serde_json::json!(header.emitters()));
                 assert_eq!(run["replica"][2], serde_json::json!([2.0, -1.0]));
                 // The truth is not published: neither the scenario nor what it has of targets.
                 assert_eq!((&run["config"], &run["targets"]), (&Value::Null, &Value::Null));

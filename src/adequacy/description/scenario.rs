@@ -127,8 +127,12 @@ fn emitter_text(emitter: &Emitter, radar: &Radar) -> String {
         (false, true) => "echoes alone",
         (false, false) => "nothing",
     };
+    let from = match emitter.emissions.start_s() {
+        0.0 => String::new(),
+        start_s => format!(" from {} us", neat(1e6 * start_s)),
+    };
     format!(
-        "{}: {} GHz, {}, mean PRF {} Hz, polarisation {}; {how}, received by {}",
+        "{}: {} GHz, {}, mean PRF {} Hz{from}, polarisation {}; {how}, received by {}",
         emitter.transmitter.name,
         neat(emitter.carrier_hz / 1e9),
         waveform_text(&emitter.waveform),

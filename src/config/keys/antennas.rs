@@ -33,8 +33,9 @@ tables! {
         POINTING "pointing", Section(&pointing::TABLE), Means("fixed, all angles 0: along the nose"), "Where it points.";
         CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
         CARRIER_HZ "carrier_hz", number("Hz", 1e6, 1e12), Means("that of [radar]"), "Carrier frequency. A part of its band must lie within half the sample rate of that of [radar].";
-        PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Its pulses a second; the first leaves with pulse 0, the last before the last window closes.";
+        PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Its pulses a second; the first leaves with pulse 0 or as start_us says, the last before the last window closes.";
         PRI_US "pri_us", Kind::Numbers { unit: "us", least: 1, most: 65_536, min: 1e-3, max: 1e9 }, Means("prf_hz is given"), "Its intervals in turn.";
+        START_US "start_us", number("us", -1e9, 1e9), default(0.0), "Its first pulse minus pulse 0 of the radar; below 0 the first windows receive what was under way.";
         WAVEFORM "waveform", Section(&waveform::TABLE), Required, "What it radiates; it may be wider than the sample rate.";
         POLARISATION "polarisation", Choice(words::<Polarisation>), Word("H"), "Polarisation of all its pulses.";
         HEARD_BY "heard_by", Words { least: 1, most: 256, entry: "the name of a receiver" }, Means("all receivers"), "Receivers that take it.";

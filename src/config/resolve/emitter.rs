@@ -48,6 +48,7 @@ fn emitter(
     let own_hz = section.number(&k::CARRIER_HZ);
     let carrier_hz = if section.has(&k::CARRIER_HZ) { own_hz } else { of_radar_hz };
     let emissions = emissions(&section, [&k::PRF_HZ, &k::PRI_US]);
+    let start_us = section.number(&k::START_US);
     let waveform = section.section(&k::WAVEFORM).and_then(|section| waveform(section, None));
     let polarisation = section.choice(&k::POLARISATION);
     let receivers = known.receivers.find_all(&section, &k::HEARD_BY);
@@ -68,7 +69,7 @@ fn emitter(
         transmitter: Transmitter { name: name?, power_w: power_w?, antenna: antenna? },
         carrier_hz: carrier_hz?,
         waveform: waveform?,
-        emissions: emissions?,
+        emissions: emissions?.starting(start_us? / 1e6),
         polarisation: polarisation?,
         receivers: receivers?,
         direct_path: direct_path?,

@@ -14,9 +14,9 @@ fn an_emitter_is_heard_by_all_on_the_carrier_of_the_radar() {
     let radar = &scene.radar;
     let [emitter] = &radar.emitters[..] else { panic!("{:?}", radar.emitters) };
     assert_eq!((emitter.carrier_hz, &emitter.receivers[..]), (radar.carrier_hz, &[0][..]));
-    assert!(emitter.direct_path && emitter.echo);
+    assert!(emitter.direct_path && emitter.echo && emitter.emissions.start_s() == 0.0);
     // A channel for every port of the receiver.
-    let heard = crate::paths::scene_of(&scene, emitter, 0.0).radar;
+    let heard = crate::paths::scene_of(&scene, emitter, [0.0; 2]).radar;
     let ports: Vec<[char; 2]> = heard.channels.iter().map(|own| [own.rx.letter(), own.tx.letter()]).collect();
     assert_eq!((ports, heard.transmitters.len()), (vec![['H', 'H'], ['V', 'H']], 2));
 }
@@ -29,6 +29,7 @@ fn faulty_emitters_are_refused() {
 emitter.0.polarisation: "X" is not allowed; allowed: "H", "V", "R", "L"
 emitter.0.carrier_hz: its band begins 8.9995e9 Hz off the carrier of [radar]; allowed: within half of radar.sample_rate_hz, 5e7 Hz
 "#);
+    insta::assert_snapshot!(faults(&of("prf_hz = 100, start_us = -1e10", "~")), @"emitter.0.start_us: -10000000000.0 is out of range; allowed: a number from -1e9 to 1e9 us");
     insta::assert_snapshot!(faults(&of("prf_hz = 100, heard_by = ['tx']", "~")), @r#"emitter.0.heard_by: there is no receiver "tx"; allowed: rx"#);
     insta::assert_snapshot!(faults(&of("echo = true", "power_w = 1,").replace("'a'", "'rx'")), @r#"
 emitter.0.name: "rx" is already the name of another antenna; allowed: unique names

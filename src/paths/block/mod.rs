@@ -406,7 +406,7 @@ impl TileWork {
         }
         for (node, &place) in self.nodes.iter_mut().zip(places) {
             of.evaluate(mainlobe.first + place as u64, &mut node.emission)?;
-            node.elapsed_s = of.radar.emissions.interval_s(0, mainlobe.first + place as u64);
+            node.elapsed_s = of.radar.emissions.elapsed_s(mainlobe.first + place as u64);
         }
         of.slow_time(mainlobe.first, mainlobe.pulses, &mut self.tile.slow);
         self.timings.mainlobe.set(of, mainlobe, places, &self.tile.slow)?;

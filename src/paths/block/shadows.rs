@@ -141,7 +141,7 @@ impl TileWork {
             return Ok(());
         };
         let emissions = &of.radar.emissions;
-        let at = |pulse: usize| visibility.share(emissions.interval_s(0, instants.first + pulse as u64));
+        let at = |pulse: usize| visibility.share(emissions.elapsed_s(instants.first + pulse as u64));
         let span = span_of(at(0), at(instants.pulses - 1));
         let lasts_s = emissions.interval_s(instants.first, instants.first + instants.pulses as u64 - 1);
         let updates = (span.end() - span.start() + 1) as usize;

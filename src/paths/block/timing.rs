@@ -93,7 +93,7 @@ impl Timing {
             epoch.weights = weights;
             of.evaluate(instants.first + place as u64, &mut epoch.emission)?;
             if let Some(sea) = &of.sea {
-                let elapsed_s = of.radar.emissions.interval_s(0, instants.first + place as u64);
+                let elapsed_s = of.radar.emissions.elapsed_s(instants.first + place as u64);
                 sea.scattering.poses(elapsed_s, &mut epoch.poses);
             }
         }

@@ -118,7 +118,7 @@ impl PathGenerator {
         (*length, *pairs) = (self.ships.len().div_ceil(64), self.pairs.len());
         let (mut after, mut last, mut spans) = (0, 0, 0.0);
         for index in pulses {
-            let (knot, share) = Ships::knot_before(self.radar.emissions.interval_s(0, index));
+            let (knot, share) = Ships::knot_before(self.radar.emissions.elapsed_s(index));
             if about.is_empty() {
                 (*first, after) = (knot, knot);
             }

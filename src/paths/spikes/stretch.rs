@@ -147,7 +147,7 @@ impl PathGenerator {
         }
         self.slow_time(first, count, slow);
         elapsed_s.clear();
-        elapsed_s.extend((first..).take(count).map(|index| self.radar.emissions.interval_s(0, index)));
+        elapsed_s.extend((first..).take(count).map(|index| self.radar.emissions.elapsed_s(index)));
         windows.resize_with(stretch.nodes.len().max(windows.len()), Vec::new);
         for (windows, place) in windows.iter_mut().zip(stretch.nodes) {
             self.windows_or_all(first + *place as u64, windows)?;

@@ -166,6 +166,9 @@ pub struct Vita49Sink {
     /// Of waveform and filter, and of the replica.
     radar: Counts,
     antennas: Counts,
+    emitters: Counts,
+    /// Bytes that a datagram has at most.
+    room: usize,
     replica: Replica,
     /// Receiver of each channel.
     receivers: Vec<usize>,
@@ -247,6 +250,8 @@ impl Vita49Sink {
             run: Counts::new(1),
             radar: Counts::new(2),
             antennas: Counts::new(layout.antennas),
+            emitters: Counts::new(header.emitters().len()),
+            room,
             replica: Replica::new(header, room),
             receivers: receivers(header),
             pulses: 0,
@@ -271,6 +276,10 @@ impl Vita49Sink {
             for antenna in instrument.antennas.iter().enumerate() {
                 let count = self.antennas.next(antenna.0);
                 send(radar::antenna(datagram, header, antenna, count, at));
+            }
+            for emitter in instrument.emitters.iter().enumerate() {
+                let count = self.emitters.next(emitter.0);
+                send(radar::emitter(datagram, header, emitter, self.room, count, at));
             }
         }
         for channel in 0..header.layout.channels {

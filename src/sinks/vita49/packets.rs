@@ -198,9 +198,10 @@ pub(super) fn run_description<'a>(
     // An addition: how much there is to wait for. One who describes no radar leaves it out.
     if header.instrument.is_some() {
         packet.u32(header.layout.antennas as u32).u32(radar::replica_samples(header) as u32);
-        // Another: receivers whose windows stand in every state.
-        if header.layout.windows > 0 {
-            packet.u32(header.layout.windows as u32).u32(0);
+        // Another: receivers whose windows stand in every state, and emitters.
+        let [windows, emitters] = [header.layout.windows, header.emitters().len()];
+        if windows + emitters > 0 {
+            packet.u32(windows as u32).u32(emitters as u32);
         }
     }
     packet.end()
