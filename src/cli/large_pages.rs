@@ -14,16 +14,20 @@ use std::process::Command;
 /// What the C library reads.
 const TUNABLES: &str = "GLIBC_TUNABLES";
 const OF_PAGES: &str = "glibc.malloc.hugetlb";
+/// What says that the program has started again, or is not to: the loader takes the other variable away from
+/// programs with capabilities of their own.
+const OWN: &str = "NEREUS_PAGES";
 /// Whether the system gives large pages to nobody, to those who ask, or to all.
 const SYSTEM: &str = "/sys/kernel/mm/transparent_hugepage/enabled";
 
 /// Starts the program again with large pages, in the same process. Returns where there is nothing to gain:
-/// the system gives them to all or to nobody, or the variable says already what is wanted.
+/// the system gives them to all or to nobody, or a variable says already what is wanted.
 pub fn with_large_pages() {
     if !cfg!(all(target_os = "linux", target_env = "gnu")) {
         return;
     }
-    let Some(tunables) = asking(env::var_os(TUNABLES), fs::read_to_string(SYSTEM).ok().as_deref()) else {
+    let system = fs::read_to_string(SYSTEM).ok();
+    let Some(tunables) = asking([TUNABLES, OWN].map(|name| env::var_os(name)), system.as_deref()) else {
         return;
     };
     let (Ok(program), mut arguments) = (env::current_exe(), env::args_os()) else { return };
@@ -32,13 +36,13 @@ pub fn with_large_pages() {
         again.arg0(name);
     });
     // It returns only where it fails: then pages stay small.
-    let _ = again.args(arguments).env(TUNABLES, tunables).exec();
+    let _ = again.args(arguments).env(TUNABLES, tunables).env(OWN, "large").exec();
 }
 
-/// The variable that asks for large pages, where it does not say anything of them yet and asking helps.
-fn asking(held: Option<OsString>, system: Option<&str>) -> Option<OsString> {
+/// What asks for large pages, where neither variable says anything of them yet and asking helps.
+fn asking([held, own]: [Option<OsString>; 2], system: Option<&str>) -> Option<OsString> {
     let held = held.unwrap_or_default().into_string().ok()?;
-    if !system?.contains("[madvise]") || held.contains(OF_PAGES) {
+    if own.is_some() || held.contains(OF_PAGES) || !system?.contains("[madvise]") {
         return None;
     }
     let before = if held.is_empty() { held } else { held + ":" };
@@ -51,7 +55,7 @@ mod tests {
 
     #[test]
     fn who_has_said_anything_of_pages_is_not_asked_again() {
-        let asked = |held: Option<&str>, system| asking(held.map(OsString::from), system);
+        let asked = |held: Option<&str>, system| asking([held.map(OsString::from), None], system);
         let madvise = Some("always [madvise] never\n");
         assert_eq!(asked(None, madvise), Some("glibc.malloc.hugetlb=1".into()));
         let other = "glibc.malloc.arena_max=2";
@@ -59,6 +63,8 @@ mod tests {
         // Started again, it does not start a third time; and 0 stays 0.
         assert_eq!(asked(Some("glibc.malloc.hugetlb=1"), madvise), None);
         assert_eq!(asked(Some("glibc.malloc.hugetlb=0"), madvise), None);
+        // Nor where the loader has taken the variable away.
+        assert_eq!(asking([None, Some("large".into())], madvise), None);
         for useless in [None, Some("[always] madvise never\n"), Some("always madvise [never]\n")] {
             assert_eq!(asked(None, useless), None);
         }
