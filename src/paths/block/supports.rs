@@ -72,7 +72,9 @@ impl Supports {
         let (from_end, between) = (self.pulses.len(), last - 2 * before);
         let gaps = (between as f64 / step).ceil() as usize;
         for n in 1..gaps {
-            self.pulses.push(before + (n as f64 * between as f64 / gaps as f64).round() as usize);
+            // From the nearer end, so that both halves are alike.
+            let own = (n.min(gaps - n) as f64 * between as f64 / gaps as f64).round() as usize;
+            self.pulses.push(if 2 * n <= gaps { before + own } else { last - before - own });
         }
         for n in (0..from_end).rev() {
             let mirrored = last - self.pulses[n];
@@ -205,8 +207,8 @@ impl SupportSets {
             let [mut low, mut high] = [0.0, 1.0 / step];
             for _ in 0..8 {
                 let middle = 0.5 * (low + high);
-                // The other half mirrors this one.
-                let lacks = set.weigh(pulses.div_ceil(2), middle, &slow);
+                // What is left mirrors what is before the middle.
+                let lacks = set.weigh((2 * pulses).div_ceil(3), middle, &slow);
                 if lacks <= loss { low = middle } else { high = middle }
             }
             *widest = low;
