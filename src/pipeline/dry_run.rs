@@ -198,6 +198,10 @@ impl<'a> Trial<'a> {
         let spread = samples.iter().zip(&trial.chosen.spread).filter(|(_, spread)| **spread);
         let found: Vec<Vec<f64>> = spread.map(|(pulse, _)| powers(pulse, channels)).collect();
         trial.means = (0..channels).map(|channel| mean_of(&found, channel)).collect();
+        // Of blocks of samples few may receive anything, and none of those spread over the run.
+        if generator.is_apart() && trial.means.contains(&0.0) {
+            return Ok(None);
+        }
         trial.exact = samples;
         Ok(Some(trial))
     }
