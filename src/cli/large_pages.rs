@@ -27,7 +27,7 @@ pub fn with_large_pages() {
         return;
     }
     let system = fs::read_to_string(SYSTEM).ok();
-    let Some(tunables) = asking([TUNABLES, OWN].map(|name| env::var_os(name)), system.as_deref()) else {
+    let Some(tunables) = asking([TUNABLES, OWN].map(env::var_os), system.as_deref()) else {
         return;
     };
     let (Ok(program), mut arguments) = (env::current_exe(), env::args_os()) else { return };
