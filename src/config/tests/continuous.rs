@@ -15,14 +15,13 @@ fn faults(more: &[(&str, &str)]) -> String {
 
 #[test]
 fn blocks_take_the_place_of_pulses() {
-    let scene = parsed(&[]).unwrap().scene;
+    let scene = parsed(&[("scene.duration_s", "2")]).unwrap().scene;
     let windowed = parse(COASTAL, &in_configs(), &[]).unwrap().scene;
     let radar = &scene.radar;
     let blocks = PulseTimes::blocks(1000, radar.sample_rate_hz).unwrap();
     assert_eq!((&radar.emissions, radar.sends()), (&blocks, &windowed.radar.emissions));
     assert_eq!(radar.window.gate, Gate::Fixed { start_s: 0.0 });
-    let duration_s = windowed.radar.emissions.interval_s(0, windowed.pulses);
-    assert_eq!(scene.pulses, blocks.count_within(duration_s));
+    assert_eq!(scene.pulses, blocks.count_within(2.0));
     assert_eq!((windowed.radar.sends(), &windowed.radar.sent), (&windowed.radar.emissions, &None));
     // Pulses may be longer than a block.
     let long = [("radar.waveform.pulse_s", "1e-3")];
