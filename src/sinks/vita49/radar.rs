@@ -44,8 +44,8 @@ pub(super) fn replica_piece(room: usize) -> usize {
     room.saturating_sub(EXTENSION_PROLOGUE + PIECE) / SAMPLE
 }
 
-/// Appends a place to look at: its kind, the platform beside which it lies (of none, what it says instead), its
-/// numbers.
+/// Appends a place to look at: its kind, the platform beside which it lies (of none, what it says instead),
+/// its numbers.
 fn looks<'a>(
     datagram: &'a mut Datagram,
     (look, of_none): (Option<&Look>, u32),
