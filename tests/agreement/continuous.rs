@@ -3,67 +3,19 @@
 
 use std::f64::consts::TAU;
 use std::ops::Range;
-use std::path::Path;
 
-use nereus::config::{self, Run};
+use nereus::config::Run;
 use nereus::pipeline::build;
 use nereus::pulse::{Pulse, Samples};
-use nereus::transport::Pace;
 use num_complex::Complex64;
 
 use crate::cases::{sized, some_of};
 use crate::runs;
+use crate::two_platforms::{self, C, ON_MAST, RATE_HZ, masts, power, tone};
 
-const C: f64 = 299_792_458.0;
-const RATE_HZ: f64 = 40e6;
-
-/// A bistatic radar over a target and, with `sea`, a patch of sea; `more` is appended.
+/// The radar of [`two_platforms`].
 fn run(sea: bool, radar: &str, more: &str, settings: &[(&str, &str)]) -> Run {
-    let (patch, water) = if sea {
-        ("patch_size_m = [32, 32]\nfacet_m = 1.0", "[sea]\nwind_mps = 8.0\nwind_from_deg = 200.0")
-    } else {
-        ("", "")
-    };
-    let text = format!(
-        r#"
-        [scene]
-        duration_s = 0.02
-        seed = 3
-        {patch}
-        {water}
-        [radar]
-        carrier_hz = 9.4e9
-        sample_rate_hz = {RATE_HZ:?}
-        {radar}
-        [[platform]]
-        name = "aircraft"
-        track = {{ kind = "straight", position_m = [-40, -2000, 1500], velocity_mps = [90, 0, 0] }}
-        [[platform]]
-        name = "other"
-        track = {{ kind = "straight", position_m = [2500, 600, 1100], velocity_mps = [-60, 30, 2] }}
-        [[transmitter]]
-        name = "tx"
-        platform = "aircraft"
-        power_w = 3.0
-        antenna = {{ kind = "rectangle", width_m = 0.3, height_m = 0.2 }}
-        pointing = {{ kind = "at", position_m = [0, 0, 0] }}
-        [[receiver]]
-        name = "rx"
-        platform = "aircraft"
-        antenna = {{ kind = "rectangle", width_m = 0.3, height_m = 0.2 }}
-        pointing = {{ kind = "at", position_m = [0, 0, 0] }}
-        [[target]]
-        position_m = [3, -4, 1]
-        velocity_mps = [3, -5, 0]
-        rcs_dbsm = 12
-        {more}
-        "#
-    );
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scene.toml");
-    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-    let mut run = config::parse(&text, &path, &settings).unwrap();
-    run.stream.pace = Pace::Fast;
-    run
+    two_platforms::run(0.02, sea, radar, more, settings)
 }
 
 /// Pulses of 1 us.
@@ -106,10 +58,6 @@ fn stream_of(run: &Run, pulses: &[Pulse], channel: usize) -> Vec<Complex64> {
     pulses.iter().flat_map(of).collect()
 }
 
-fn power(samples: &[Complex64]) -> f64 {
-    samples.iter().map(|s| s.norm_sqr()).sum()
-}
-
 /// The error of some samples, dB below the power of others.
 fn off_db(found: &[Complex64], expected: &[Complex64]) -> f64 {
     assert_eq!(found.len(), expected.len());
@@ -126,37 +74,20 @@ fn a_carrier_is_one_tone_over_all_blocks() {
     for (echo, samples, prf_hz) in
         some_of([("fast", 1024, 8000.0), ("reference", 1024, 8000.0), ("fast", 1000, 317.3)])
     {
-        let masts = format!(
-            r#"
-            [[platform]]
-            name = "mast"
-            track = {{ kind = "fixed", position_m = [0, 0, 0] }}
-            [[platform]]
-            name = "far"
-            track = {{ kind = "fixed", position_m = [0, {distance_m:?}, 0] }}
-            [[emitter]]
-            name = "second"
-            polarisation = "V"
-            platform = "far"
-            carrier_hz = {:?}
-            prf_hz = 5000.0
-            power_w = {power_w:?}
-            echo = false
-            antenna = {{ kind = "isotropic" }}
-            waveform = {{ kind = "lfm", bandwidth_hz = 1e-3, pulse_s = 200e-6 }}
-            "#,
+        let keys = format!(
+            "name = \"second\"\ncarrier_hz = {:?}\nprf_hz = 5000.0\npower_w = {power_w:?}",
             9.4e9 + offset_hz
         );
-        let settings = [
+        let alone = masts(distance_m);
+        let beside = alone.clone() + &tone(&keys, 200e-6);
+        let own = [
             ("fidelity.echo", echo),
             ("fidelity.error_db", "-80"),
             ("transmitter.0.platform", "far"),
             ("transmitter.0.power_w", "5.0"),
             ("transmitter.0.antenna", "{ kind = 'isotropic' }"),
-            ("receiver.0.platform", "mast"),
-            ("receiver.0.antenna", "{ kind = 'isotropic' }"),
-            ("target.0.rcs_dbsm", "-300"),
         ];
+        let settings = [&own[..], &ON_MAST].concat();
         for second in [false, true] {
             let radar = format!(
                 "prf_hz = {prf_hz:?}\nchannels = [\"VV\"]\ndirect_path = true\n{}
@@ -164,12 +95,7 @@ fn a_carrier_is_one_tone_over_all_blocks() {
                 blocks(samples),
                 1.0 / prf_hz
             );
-            let run = run(
-                false,
-                &radar,
-                if second { &masts } else { masts.split("[[emitter]]").next().unwrap() },
-                &settings,
-            );
+            let run = run(false, &radar, if second { &beside } else { &alone }, &settings);
             let tone = |carrier_hz: f64, j: usize| {
                 let amplitude = power_w.sqrt() * C / carrier_hz / (2.0 * TAU * distance_m);
                 let turns = ((carrier_hz - 9.4e9) * j as f64 / RATE_HZ).fract()

@@ -2,70 +2,20 @@
 
 use std::f64::consts::TAU;
 use std::ops::Range;
-use std::path::Path;
 
-use nereus::config::{self, Run};
+use nereus::config::Run;
 use nereus::pipeline::build;
 use nereus::pulse::Samples;
-use nereus::transport::Pace;
 use num_complex::Complex64;
 
 use crate::cases::{sized, some_of};
 use crate::runs;
+use crate::two_platforms::{self, C, ON_MAST, masts, power, tone};
 
-const C: f64 = 299_792_458.0;
-
-/// A radar on the way over a target and, with `sea`, a patch of sea; `more` is appended.
+/// The radar of [`two_platforms`], with pulses of 1 us.
 fn run(sea: bool, radar: &str, more: &str, settings: &[(&str, &str)]) -> Run {
-    let (patch, water) = if sea {
-        ("patch_size_m = [32, 32]\nfacet_m = 1.0", "[sea]\nwind_mps = 8.0\nwind_from_deg = 200.0")
-    } else {
-        ("", "")
-    };
-    let text = format!(
-        r#"
-        [scene]
-        duration_s = 0.16
-        seed = 3
-        {patch}
-        {water}
-        [radar]
-        carrier_hz = 9.4e9
-        sample_rate_hz = 40e6
-        {radar}
-        [radar.waveform]
-        kind = "lfm"
-        bandwidth_hz = 30e6
-        pulse_s = 1e-6
-        [[platform]]
-        name = "aircraft"
-        track = {{ kind = "straight", position_m = [-40, -2000, 1500], velocity_mps = [90, 0, 0] }}
-        [[platform]]
-        name = "other"
-        track = {{ kind = "straight", position_m = [2500, 600, 1100], velocity_mps = [-60, 30, 2] }}
-        [[transmitter]]
-        name = "tx"
-        platform = "aircraft"
-        power_w = 3.0
-        antenna = {{ kind = "rectangle", width_m = 0.3, height_m = 0.2 }}
-        pointing = {{ kind = "at", position_m = [0, 0, 0] }}
-        [[receiver]]
-        name = "rx"
-        platform = "aircraft"
-        antenna = {{ kind = "rectangle", width_m = 0.3, height_m = 0.2 }}
-        pointing = {{ kind = "at", position_m = [0, 0, 0] }}
-        [[target]]
-        position_m = [3, -4, 1]
-        velocity_mps = [3, -5, 0]
-        rcs_dbsm = 12
-        {more}
-        "#
-    );
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scene.toml");
-    let settings: Vec<_> = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-    let mut run = config::parse(&text, &path, &settings).unwrap();
-    run.stream.pace = Pace::Fast;
-    run
+    let waveform = r#"waveform = { kind = "lfm", bandwidth_hz = 30e6, pulse_s = 1e-6 }"#;
+    two_platforms::run(0.16, sea, &format!("{radar}\n{waveform}"), more, settings)
 }
 
 /// Windows in which the target is received.
@@ -88,10 +38,6 @@ fn samples(run: &Run, range: Range<u64>) -> Vec<Vec<Vec<Complex64>>> {
         channels.map(|own| own.iter().map(widen).collect()).collect()
     };
     runs::kept(build::stream(run, range).unwrap()).into_iter().map(of).collect()
-}
-
-fn power(samples: &[Complex64]) -> f64 {
-    samples.iter().map(|s| s.norm_sqr()).sum()
 }
 
 /// What an emitter adds is what a transmitter of the same train has in channels of its own.
@@ -145,35 +91,12 @@ fn a_continuous_carrier_keeps_its_phase() {
         ("fast", "prf_hz = 317.0", 0.0, -60.0),
         ("fast", "pri_us = [3100, 3250.5, 2900.25]", -3e8 + 0.25, -60.0),
     ]) {
-        let emitter = format!(
-            r#"
-            [[platform]]
-            name = "mast"
-            track = {{ kind = "fixed", position_m = [0, 0, 0] }}
-            [[platform]]
-            name = "far"
-            track = {{ kind = "fixed", position_m = [0, {distance_m:?}, 0] }}
-            [[emitter]]
-            name = "carrier"
-            polarisation = "V"
-            platform = "far"
-            carrier_hz = {:?}
-            prf_hz = {prf_hz:?}
-            start_us = {start_us:?}
-            power_w = {power_w:?}
-            echo = false
-            antenna = {{ kind = "isotropic" }}
-            waveform = {{ kind = "lfm", bandwidth_hz = 1e-3, pulse_s = {:?} }}
-            "#,
-            9.4e9 + offset_hz,
-            1.0 / prf_hz
+        let keys = format!(
+            "name = \"carrier\"\ncarrier_hz = {:?}\nprf_hz = {prf_hz:?}\nstart_us = {start_us:?}\npower_w = {power_w:?}",
+            9.4e9 + offset_hz
         );
-        let listens = [
-            ("fidelity.echo", echo),
-            ("receiver.0.platform", "mast"),
-            ("receiver.0.antenna", "{ kind = 'isotropic' }"),
-            ("target.0.rcs_dbsm", "-300"),
-        ];
+        let emitter = masts(distance_m) + &tone(&keys, 1.0 / prf_hz);
+        let listens = [&[("fidelity.echo", echo)][..], &ON_MAST].concat();
         // Windows that open in the middle of an emission, and hold the seam between two.
         let window = "window = { samples = 4000, start_us = 40 }";
         let run = run(false, &format!("{train}\nchannels = [\"VV\"]\n{window}"), &emitter, &listens);
@@ -206,33 +129,9 @@ fn a_start_puts_pulses_into_their_place() {
         ("fast", 12.345_678_9, "prf_hz = 317.0"),
         ("fast", -20_000.0 + 0.1234, "pri_us = [2100, 1900]"),
     ]) {
-        let emitter = format!(
-            r#"
-            [[platform]]
-            name = "mast"
-            track = {{ kind = "fixed", position_m = [0, 0, 0] }}
-            [[platform]]
-            name = "far"
-            track = {{ kind = "fixed", position_m = [0, {distance_m:?}, 0] }}
-            [[emitter]]
-            name = "beacon"
-            polarisation = "V"
-            platform = "far"
-            pri_us = [2000]
-            start_us = {start_us:?}
-            power_w = 1.0
-            echo = false
-            antenna = {{ kind = "isotropic" }}
-            waveform = {{ kind = "lfm", bandwidth_hz = 1e-3, pulse_s = {pulse_s:?} }}
-            "#
-        );
-        let listens = [
-            ("fidelity.echo", echo),
-            ("fidelity.error_db", "-80"),
-            ("receiver.0.platform", "mast"),
-            ("receiver.0.antenna", "{ kind = 'isotropic' }"),
-            ("target.0.rcs_dbsm", "-300"),
-        ];
+        let keys = format!("name = \"beacon\"\npri_us = [2000]\nstart_us = {start_us:?}\npower_w = 1.0");
+        let emitter = masts(distance_m) + &tone(&keys, pulse_s);
+        let listens = [&[("fidelity.echo", echo), ("fidelity.error_db", "-80")][..], &ON_MAST].concat();
         let window = "window = { samples = 65536, start_us = 3 }";
         let run = run(false, &format!("{train}\nchannels = [\"VV\"]\n{window}"), &emitter, &listens);
         let emissions = run.scene.radar.emissions.clone();

@@ -40,4 +40,5 @@ mod stretched;
 mod synth_error;
 mod synth_laws;
 mod synth_scenes;
+mod two_platforms;
 mod varying_targets;
