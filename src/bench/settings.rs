@@ -29,7 +29,7 @@ pub const SETTINGS: &[Setting] = &[
     Setting { key: "fidelity.gain_pulses", values: &["1", "2", "4", "6"] },
     Setting { key: "fidelity.sidelobe_db", values: &["-30.0", "-40.0", "-50.0", "-400.0"] },
     Setting { key: "fidelity.kernel_width", values: &["4", "5", "6", "7"] },
-    Setting { key: "fidelity.doppler", values: &["mean", "shift", "taylor"] },
+    Setting { key: "fidelity.doppler", values: &["mean", "shift", "taylor", "shift-taylor"] },
 ];
 
 /// Choices of the model. They change what is emulated, for the reference too: their effect is no error.
@@ -67,6 +67,7 @@ pub fn settings(chosen: Option<&EchoSettings>) -> Map<String, Value> {
         Doppler::Mean => "mean",
         Doppler::Shift => "shift",
         Doppler::Taylor => "taylor",
+        Doppler::ShiftTaylor => "shift-taylor",
     };
     set("doppler", json!(doppler));
     if chosen.fine_surface {

@@ -152,7 +152,7 @@ words! {
     LightWinds { "threshold" = Self::Threshold, "published" = Self::AsPublished }
     Breaking { "off" = Self::Off, "whitecaps" = Self::Whitecaps }
     UpAxis { "z" = Self::Z, "y" = Self::Y }
-    Doppler { "mean" = Self::Mean, "shift" = Self::Shift, "taylor" = Self::Taylor }
+    Doppler { "mean" = Self::Mean, "shift" = Self::Shift, "taylor" = Self::Taylor, "shift-taylor" = Self::ShiftTaylor }
     Pace { "realtime" = Self::Realtime, "fast" = Self::Fast }
     Policy { "stop" = Self::Stop, "slip" = Self::Slip, "drop" = Self::Drop }
     Messages { "samples" = Self::Samples, "multipart" = Self::Multipart }

@@ -22,7 +22,6 @@
 //! takes the way of the reference's scatterer paths. Everything is spent by one worker: `n` workers make `n`
 //! times as many pulses, as far as they do not wait for each other's memory.
 
-use crate::echo::synth::doppler::Doppler;
 use crate::echo::synth::{Precision, Settings};
 use crate::paths::PathGenerator;
 use crate::paths::block::{NODES, SAMPLED, SIDELOBE_NODES, gain_instants, gain_step, sidelobe_gain_pulses};
@@ -164,7 +163,7 @@ impl Size {
         let reach =
             radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 2 * settings.guard_samples;
         let sampled = generator.sampled(SAMPLED);
-        let moments = if settings.doppler == Doppler::Taylor { 2.0 } else { 1.0 };
+        let moments = if settings.doppler.has_moments() { 2.0 } else { 1.0 };
         Self {
             facets: generator.facets() as f64,
             breakers: generator.breakers_alive(),

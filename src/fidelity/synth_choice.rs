@@ -109,12 +109,16 @@ impl Echoes<'_> {
         let longest = blocks.iter().copied().max().unwrap_or(1);
         let of = |doppler: Doppler| (doppler, settings.envelope);
         let mut of_doppler = self.doppler_error(sampler, of(settings.doppler), fft_len, blocks)?;
-        let may_have_moment = asked.doppler.is_none() && settings.doppler != Doppler::Taylor;
-        if may_have_moment && of_doppler.of_blocks(longest) > OF_BANDS * budget.power {
-            let other = self.doppler_error(sampler, of(Doppler::Taylor), fft_len, blocks)?;
-            if other.of_blocks(longest) < 0.5 * of_doppler.of_blocks(longest) {
-                settings.doppler = Doppler::Taylor;
-                of_doppler = other;
+        let mut most = 0.5 * of_doppler.of_blocks(longest);
+        if asked.doppler.is_none() && !settings.doppler.has_moments() && 2.0 * most > OF_BANDS * budget.power
+        {
+            for doppler in [Doppler::Taylor, Doppler::ShiftTaylor] {
+                let other = self.doppler_error(sampler, of(doppler), fft_len, blocks)?;
+                if other.of_blocks(longest) < most {
+                    settings.doppler = doppler;
+                    most = other.of_blocks(longest);
+                    of_doppler = other;
+                }
             }
         }
         let (mut single, single_error) = (settings, gridding);

@@ -179,9 +179,16 @@ impl SeaPlan {
         let realised = drawn(sea).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
         let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
         let mut patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
-        // The last update of the shadows comes after the last emission, and ships sail on until then.
-        if let (Some(shadow), Some(&(last_s, patch))) = (run.shadowing(sea), patches.last()) {
-            patches.push((last_s + shadow.update_s, patch));
+        // Updates of the shadows, none before pulse 0, come before the first emission and after the last:
+        // ships have sailed less far, and sail on until then.
+        if let (Some(shadow), Some(&first), Some(&last)) =
+            (run.shadowing(sea), patches.first(), patches.last())
+        {
+            let before_s = (first.0.max(0.0) / shadow.update_s).floor() * shadow.update_s;
+            if before_s != first.0 {
+                patches.insert(0, (before_s, first.1));
+            }
+            patches.push((last.0.max(0.0) + shadow.update_s, last.1));
         }
         let fleet = Fleet::muster_between(&scene.ships, &patches, run.patch_mps, run.hold_s)
             .map_err(|errors| faults.extend(errors.0.into_iter().map(|error| SeaFault::from(error).into())))

@@ -159,6 +159,40 @@ fn a_start_puts_pulses_into_their_place() {
     }
 }
 
+/// Shadows are updated before an emitter starts, and after it has ended, if that is before pulse 0: ships
+/// then lie where none of its pulses meets them.
+#[test]
+fn ships_are_where_shadows_are_updated() {
+    let ship = r#"
+        [[ship]]
+        hull = "wigley"
+        length_m = 16.0
+        beam_m = 2.0
+        draught_m = 0.8
+        position_m = [10.0, 2.0]
+        heading_deg = 254.0
+        speed_mps = 4.0
+    "#;
+    for start_us in [78.3, 9000.0, -60_000.0] {
+        let emitter = format!(
+            r#"
+            [[emitter]]
+            name = "other"
+            platform = "other"
+            power_w = 1.0
+            prf_hz = 2000.0
+            start_us = {start_us:?}
+            waveform = {{ kind = "lfm", bandwidth_hz = 8e6, pulse_s = 3e-6 }}
+            antenna = {{ kind = "isotropic" }}
+            "#
+        );
+        let radar = format!("prf_hz = 500.0\nchannels = [\"HH\"]\n{WINDOW}");
+        let run = run(true, &radar, &[ship, &emitter].concat(), &[("sea.shadow.update_ms", "20")]);
+        let made = samples(&run, 0..run.scene.pulses.min(12));
+        assert!(made.iter().flatten().flatten().all(|s| s.is_finite()), "{start_us} us");
+    }
+}
+
 /// Trains that have nothing to do with the radar's.
 #[test]
 fn emitters_keep_the_error() {

@@ -187,6 +187,8 @@ fn anything(near: f64) -> impl Strategy<Value = f64> {
     ]
 }
 
+const DOPPLERS: [Doppler; 4] = [Doppler::Mean, Doppler::Shift, Doppler::Taylor, Doppler::ShiftTaylor];
+
 proptest! {
     #![proptest_config(crate::cases::proptests(96))]
 
@@ -197,7 +199,7 @@ proptest! {
         pulses in 1usize..=64,
         start_s in -1.0..1.0f64,
         step_s in prop_oneof![Just(0.0), -1e-6..1e-6, -1e3..1e3],
-        doppler in prop::sample::select(vec![Doppler::Mean, Doppler::Shift, Doppler::Taylor]),
+        doppler in prop::sample::select(DOPPLERS.to_vec()),
         width in 4usize..=8,
     ) {
         let patch = &patches()[0];

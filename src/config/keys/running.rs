@@ -6,13 +6,13 @@ tables! {
     fidelity "[fidelity]" "Speed against accuracy." {
         ECHO "echo", Choice(words::<EchoKind>), Word("fast"), "reference: every pulse from its own scatterer paths, in f64. fast: blocks of pulses, paths at nodes and interpolated between them, in f32.";
         ERROR_DB "error_db", number("dB", -120.0, -20.0), default(-60.0), "fast: error allowed against the reference, worst pulse and channel. The keys below are chosen to keep it, but for those that are given.";
-        NODE_PULSES "node_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which surface and paths are found to the next; 1: every pulse by itself, from exact paths.";
-        SCATTER_PULSES "scatter_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which scattering is found to the next: node_pulses, or about half or a third of it.";
-        GAIN_PULSES "gain_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which antenna gains are found to the next.";
-        PANEL_PULSES "panel_pulses", count(1, 21), Means("chosen for error_db"), "fast: pulses from one instant at which the panels of ships are evaluated to the next.";
+        NODE_PULSES "node_pulses", count(1, 341), Means("chosen for error_db"), "fast: pulses from one instant at which surface and paths are found to the next; 1: every pulse by itself, from exact paths.";
+        SCATTER_PULSES "scatter_pulses", count(1, 341), Means("chosen for error_db"), "fast: pulses from one instant at which scattering is found to the next: node_pulses, or about half or a third of it.";
+        GAIN_PULSES "gain_pulses", count(1, 341), Means("chosen for error_db"), "fast: pulses from one instant at which antenna gains are found to the next.";
+        PANEL_PULSES "panel_pulses", count(1, 341), Means("chosen for error_db"), "fast: pulses from one instant at which the panels of ships are evaluated to the next.";
         SIDELOBE_DB "sidelobe_db", number("dB", -400.0, 0.0), Means("chosen for error_db"), "fast: two-way gain below the peak of its antennas at which a tile of 16 x 16 facets is evaluated less often: paths and scattering at the ends of a block only (scattering in its middle, too, where facets turn away), gains at two thirds of the instants; -400: none is.";
         KERNEL_WIDTH "kernel_width", count(4, 8), Means("chosen for error_db"), "fast: cells over which a path is spread; about 20 dB per cell.";
-        DOPPLER "doppler", Choice(words::<Doppler>), Means("chosen for error_db"), "fast: Doppler within a pulse by its mean, by a shift of delay (linear sweeps), or to first order.";
+        DOPPLER "doppler", Choice(words::<Doppler>), Means("chosen for error_db"), "fast: Doppler within a pulse by its mean; to first order; by a shift of delay, alone or with what that leaves to first order (linear sweeps).";
     }
     stream "[stream]" "How pulses are released." {
         PACE "pace", Choice(words::<Pace>), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";

@@ -22,7 +22,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use super::doppler::{self, Correction, Doppler};
+use super::doppler::{self, Correction};
 pub use super::frame::{Frame, Receives};
 use super::grid::{FAR_CELLS, Lined};
 use super::scalar::Scalar;
@@ -527,17 +527,20 @@ impl<T: Scalar> Synth<T> {
 
     /// `P H / phihat` of every layer about its pair's mean Doppler, with the place of the grid's first cell.
     fn fill_replicas(&self, frame: &mut Frame) {
+        let correction = self.correction();
         for (layer, replica) in self.layers.iter().zip(&mut frame.replicas) {
             let mean_hz = frame.mean_hz[layer.pair];
             replica.clear();
             replica.extend(self.bins.iter().map(|bin| {
                 let (f_hz, factor) =
                     doppler::stretched(self.settings.envelope, self.carrier_hz, bin.f_hz, mean_hz);
+                let waveform = self.waveform.as_ref();
                 let pulse = if layer.moment {
-                    let scale = -std::f64::consts::TAU / self.waveform.duration_s();
-                    Complex64::I * scale * doppler::moment_spectrum(self.waveform.as_ref(), f_hz)
+                    // Amplitudes are times the length of a pulse.
+                    let of = (bin.f_hz, f_hz);
+                    correction.moment(waveform, of, mean_hz) / waveform.duration_s()
                 } else {
-                    self.waveform.spectrum(f_hz)
+                    waveform.spectrum(f_hz)
                 };
                 pulse * bin.origin * (factor * bin.gain)
             }));
@@ -548,11 +551,6 @@ impl<T: Scalar> Synth<T> {
     pub(super) fn correction(&self) -> Correction {
         let Settings { doppler, envelope, .. } = self.settings;
         Correction::new(doppler, envelope, self.waveform.as_ref(), self.carrier_hz)
-    }
-
-    /// Whether Doppler off the mean needs a layer of its own.
-    pub(super) fn has_moments(doppler: Doppler) -> bool {
-        doppler == Doppler::Taylor
     }
 }
 

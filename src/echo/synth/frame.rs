@@ -146,8 +146,17 @@ impl Frame {
         self.filled.get(pulse).is_none_or(|own| own & bit(group) != 0)
     }
 
+    /// Start of a window after its emission from which places count, s: of one in the middle of those that
+    /// receive some of the emissions.
+    pub(super) fn reference_s(&self, windows_s: &[f64], emissions: Range<usize>) -> f64 {
+        let received = self.received(emissions);
+        let middle = received.len() / 2;
+        let opens_s = |own: Receives| windows_s.get(own.pulse).map(|opens_s| opens_s - own.offset_s);
+        received.skip(middle).find_map(opens_s).unwrap_or(0.0)
+    }
+
     /// Who receives some of the emissions.
-    fn received(&self, emissions: Range<usize>) -> impl ExactSizeIterator<Item = Receives> {
+    pub(super) fn received(&self, emissions: Range<usize>) -> impl ExactSizeIterator<Item = Receives> {
         let at = |emission: usize| self.receives.partition_point(|own| own.emission < emission);
         let alone = self.receives.is_empty();
         let range = if alone { emissions } else { at(emissions.start)..at(emissions.end) };
@@ -178,9 +187,7 @@ impl<T: Scalar> Synth<T> {
     ) -> f64 {
         emitted.clear();
         let opens_s = |own: &Receives| windows_s.get(own.pulse).map(|opens_s| opens_s - own.offset_s);
-        let received = frame.received(emissions.clone());
-        let middle = received.len() / 2;
-        let reference_s = received.skip(middle).find_map(|own| opens_s(&own)).unwrap_or(0.0);
+        let reference_s = frame.reference_s(windows_s, emissions.clone());
         let uneven = !frame.slow.uneven().is_empty();
         emitted.extend(frame.received(emissions.clone()).filter_map(|own| {
             let cells = (reference_s - opens_s(&own)?) * self.cells_per_s;

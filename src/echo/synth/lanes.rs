@@ -47,13 +47,13 @@ pub struct LaneWork {
 pub(super) struct Rows {
     /// `[layer]`: `[support][cell][lane]`.
     pub cells: Vec<Lined<f32>>,
-    /// First cell of each row, on the grid of the middle pulse; none of a row that is empty.
+    /// First cell of each row, by the window that places count from; none of a row that is empty.
     pub first: Vec<Option<i32>>,
-    /// Phase of the middle of the tile at every pulse, turns.
+    /// Phase of the middle of the tile at every emission, turns.
     pub turns: Vec<f64>,
-    /// Whole cells from the window of the middle pulse to that of each.
+    /// Whole cells from that window to those that receive emissions, in their order.
     pub shifts: Vec<i32>,
-    /// For a pulse whose rows lie too far apart to be added at once.
+    /// The rows of an emission.
     pub sum: Vec<f32>,
 }
 
@@ -128,7 +128,7 @@ impl Synth<f32> {
     }
 
     /// Amplitudes times Doppler off the mean over the length of a pulse, at every scattering epoch: for the
-    /// layers of [`Doppler::Taylor`](super::doppler::Doppler::Taylor).
+    /// layers of [second terms](super::doppler::Doppler::has_moments).
     pub(super) fn fill_moments(&self, tile: &Tile, pair: usize, mean_hz: f64, work: &mut LaneWork) {
         let of_pair = &tile.pairs[pair];
         for (layer, moments) in self.layers.iter().zip(&mut work.moments) {
@@ -191,14 +191,13 @@ impl Synth<f32> {
     }
 
     /// Phase and place of a tile from a node to the next, counted from `middle` (intervals), by a window that
-    /// opens at `reference_s`.
+    /// opens at `reference_s`; a carrier turns them by so much there, and from one emission to the next.
     pub(super) fn polynomials_between(
         &self,
-        tile: &Tile,
-        pair: usize,
-        interval: usize,
+        (tile, pair, interval): (&Tile, usize, usize),
         (middle, reference_s): (f64, f64),
-        frame: &Frame,
+        mean_hz: f64,
+        carrier_turns: [f64; 2],
         polynomials: &mut DelayPolynomials<f32>,
     ) {
         let (slow, uneven) = (&tile.slow, !tile.slow.uneven().is_empty());
@@ -220,7 +219,7 @@ impl Synth<f32> {
                 delay_rate: [&first.delay_rate, &second.delay_rate],
             },
             carrier_hz: self.carrier_hz,
-            mean_hz: frame.mean_hz[pair],
+            mean_hz,
             middle_s: correction.middle_s,
             shifted,
             moved,
@@ -229,7 +228,7 @@ impl Synth<f32> {
             interval_s: tile.interval_s,
             length,
             middle: middle - first_node,
-            carrier_turns: [frame.turns_at(middle), frame.carrier_turns[1]],
+            carrier_turns,
             count,
             polynomials,
         };
@@ -256,7 +255,10 @@ impl Synth<f32> {
         let time = |row: usize| middles.map(|middle| slow.at(pulses.start + row) - middle);
         let reference_s =
             self.fill_emitted((frame, self.windows_of(frame, pair)), pulses.clone(), time, emitted);
-        self.polynomials_between(tile, pair, interval, (middle, reference_s), frame, polynomials);
+        let (mean_hz, carrier_turns) =
+            (frame.mean_hz[pair], [frame.turns_at(middle), frame.carrier_turns[1]]);
+        let of = (tile, pair, interval);
+        self.polynomials_between(of, (middle, reference_s), mean_hz, carrier_turns, polynomials);
         let Pair { factor, turned, .. } = &tile.pairs[pair];
         let stride = grids.shape.pulse_len();
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair) {

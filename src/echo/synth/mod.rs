@@ -228,7 +228,7 @@ struct Layer {
     group: u8,
     /// 2, 4 or 8.
     lanes: usize,
-    /// Whether it holds the second term of [`Doppler::Taylor`].
+    /// Whether it holds a second term ([`Doppler::has_moments`]).
     moment: bool,
 }
 
@@ -293,7 +293,7 @@ impl<T: Scalar> Synth<T> {
         channel_pairs: &[usize],
         settings: Settings,
     ) -> Result<Self, SynthError> {
-        if settings.doppler == Doppler::Shift && waveform.sweep_rate_hz_per_s().is_none() {
+        if settings.doppler.needs_sweep() && waveform.sweep_rate_hz_per_s().is_none() {
             return Err(SynthError::Shift { waveform: waveform.name().to_owned() });
         }
         let variant = variant::choose(settings.variant)?;
@@ -314,7 +314,7 @@ impl<T: Scalar> Synth<T> {
         let last_cell = ((reach_s * cells_per_s).ceil() as usize).min(period - 1) as i32;
         let pairs = channel_pairs.iter().map(|p| p + 1).max().unwrap_or(0);
         let groups = vec![0; channel_pairs.len()];
-        let layers = layers(channel_pairs, &groups, pairs, Self::has_moments(settings.doppler));
+        let layers = layers(channel_pairs, &groups, pairs, settings.doppler.has_moments());
         let shape = grid::Shape {
             period,
             width: settings.width,
@@ -370,7 +370,7 @@ impl<T: Scalar> Synth<T> {
         for layer in &self.layers {
             layer.channels.iter().for_each(|channel| channel_pairs[*channel] = layer.pair);
         }
-        let moments = Self::has_moments(self.settings.doppler);
+        let moments = self.settings.doppler.has_moments();
         self.layers = layers(&channel_pairs, groups, self.pairs, moments);
         self.shape.lanes = self.layers.iter().map(|layer| layer.lanes).collect();
         let (variant, width) = (self.variant, self.settings.width);

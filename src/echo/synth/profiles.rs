@@ -6,14 +6,17 @@
 //!
 //! `g_t[j] += e^{j theta(t)} sum_k w_k e^{-j theta(t_k)} row_k[j]` ,
 //!
-//! with the weights of [`paths::block::supports`](crate::paths::block::Supports). Rows and grids are cells of
-//! one and the same delay axis, so windows must lie whole cells apart ([`Synth::windows_align`]). Every
-//! frequency of a row changes as slowly as it does in the echo, so what the weights lack of the power is all
-//! that is lost.
+//! with the weights of [`paths::block::supports`](crate::paths::block::Supports). An emission that several
+//! windows receive is summed once, and added to the grids of each. Rows and grids are cells of one and the
+//! same delay axis, so windows must lie whole cells apart ([`Synth::windows_align`]). Every frequency of a
+//! row changes as slowly as it does in the echo, so what the weights lack of the power is all that is lost.
+//! What turns the carrier from emission to emission ([`Frame::carrier_turns`]) comes last: that may be fast.
 
 use std::ops::Range;
 
-use super::frame::Frame;
+use num_complex::Complex64;
+
+use super::frame::{Frame, Receives};
 use super::grid::{FAR_CELLS, Grids, Lined};
 use super::lanes::{LaneWork, Rows, TOGETHER};
 use super::scalar::Scalar;
@@ -45,17 +48,23 @@ struct Shape {
 }
 
 impl Synth<f32> {
-    /// Whether windows lie whole cells apart: only then may tiles be evaluated at supports alone.
-    pub fn windows_align(&self, windows_s: &[Vec<f64>]) -> bool {
-        windows_s.iter().all(|of| self.window_aligns(of))
-    }
-
-    fn window_aligns(&self, windows_s: &[f64]) -> bool {
-        let first_s = windows_s.first().copied().unwrap_or_default();
-        windows_s.iter().all(|start_s| {
-            let cells = (start_s - first_s) * self.cells_per_s;
-            (cells - cells.round()).abs() < WHOLE_CELLS && cells.abs() < FAR_CELLS
-        })
+    /// Whether windows lie whole cells apart, after each of the emissions that they receive: only then may
+    /// tiles be evaluated at supports alone. `receives` is that of a [`Frame`].
+    pub fn windows_align(&self, windows_s: &[Vec<f64>], receives: &[Receives]) -> bool {
+        let aligns = |windows_s: &Vec<f64>| {
+            let first_s = windows_s.first().copied().unwrap_or_default();
+            let whole = |start_s: f64| {
+                let cells = (start_s - first_s) * self.cells_per_s;
+                (cells - cells.round()).abs() < WHOLE_CELLS && cells.abs() < FAR_CELLS
+            };
+            let mut received =
+                receives.iter().filter_map(|own| Some(windows_s.get(own.pulse)? - own.offset_s));
+            match receives.is_empty() {
+                true => windows_s.iter().copied().all(whole),
+                false => received.all(whole),
+            }
+        };
+        windows_s.iter().all(aligns)
     }
 
     /// Spreads a tile that was evaluated at its supports on the grids of its block.
@@ -68,13 +77,15 @@ impl Synth<f32> {
         work: &mut LaneWork,
         grids: &mut Grids<f32>,
     ) {
-        let pulses = frame.pulses();
+        let emissions = 0..tile.instants.pulses;
         let windows_s = self.windows_of(frame, pair);
-        let reference_s = windows_s[pulses / 2];
+        let reference_s = frame.reference_s(windows_s, emissions.clone());
         let Rows { shifts, turns, .. } = &mut work.rows;
         shifts.clear();
-        let whole = |start_s: &f64| ((reference_s - start_s) * self.cells_per_s).round() as i32;
-        shifts.extend(windows_s.iter().map(whole));
+        shifts.extend(frame.received(emissions.clone()).map(|own| {
+            let start_s = windows_s.get(own.pulse).map_or(reference_s, |opens_s| opens_s - own.offset_s);
+            ((reference_s - start_s) * self.cells_per_s).round() as i32
+        }));
         tile.middle_turns(pair, self.carrier_hz, turns);
         let shape = self.shape_of_rows(tile, pair);
         let own = self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair);
@@ -83,15 +94,28 @@ impl Synth<f32> {
             work.rows.cells[index].reset(supports.pulses().len() * shape.stride * layer.lanes);
         }
         work.rows.first.clear();
-        self.fill_rows(tile, pair, (supports, shape), frame, work);
+        self.fill_rows(tile, pair, (supports, shape, reference_s), frame, work);
         for (index, layer) in own {
             self.turn_rows(index, layer, (supports, shape), &mut work.rows);
-            for pulse in 0..pulses {
-                let fills = frame.groups.get(pulse).is_none_or(|group| *group == layer.group);
-                if fills {
+            let mut before = 0;
+            for emission in emissions.clone() {
+                let received = frame.received(emission..emission + 1);
+                let at = before;
+                before += received.len();
+                let fills = frame.groups.get(emission).is_none_or(|group| *group == layer.group);
+                if !fills || received.len() == 0 {
+                    continue;
+                }
+                let of = (supports, shape, emission);
+                let Some(least) = self.sum_rows((index, layer), of, &mut work.rows) else { continue };
+                let carrier = frame.turns_at(tile.slow.at(emission));
+                let apart = frame.emission_turns.get(emission).copied().unwrap_or(0.0);
+                let by = phasor(work.rows.turns[emission] + carrier + apart);
+                for (n, own) in received.enumerate() {
+                    let begins = least + work.rows.shifts[at + n];
                     let from = self.shape.offset(index);
-                    let cells = &mut grids.of_pulse(pulse)[from..][..self.shape.layer_len(index)];
-                    self.add_pulse((index, layer, pulse), (supports, shape), &mut work.rows, cells);
+                    let cells = &mut grids.of_pulse(own.pulse)[from..][..self.shape.layer_len(index)];
+                    self.add_sum(layer.lanes, begins, by, &work.rows.sum, cells);
                 }
             }
         }
@@ -112,7 +136,7 @@ impl Synth<f32> {
         &self,
         tile: &Tile,
         pair: usize,
-        (supports, shape): (&Supports, Shape),
+        (supports, shape, reference_s): (&Supports, Shape, f64),
         frame: &Frame,
         work: &mut LaneWork,
     ) {
@@ -134,7 +158,7 @@ impl Synth<f32> {
                 for part in 0..parts {
                     let [a, b] = [part, part + 1].map(|n| own[0] + n * (own[1] - own[0]) / parts);
                     let of = (interval, middle, a..b);
-                    self.fill_part_of_rows(tile, pair, of, (supports, shape), frame, work);
+                    self.fill_part_of_rows(tile, pair, of, (supports, shape, reference_s), frame, work);
                 }
             }
         }
@@ -145,15 +169,20 @@ impl Synth<f32> {
         tile: &Tile,
         pair: usize,
         (interval, of_amplitudes, own): (usize, usize, Range<usize>),
-        (supports, shape): (&Supports, Shape),
+        (supports, shape, reference_s): (&Supports, Shape, f64),
         frame: &Frame,
         work: &mut LaneWork,
     ) {
-        let pulses = frame.pulses();
-        let reference_s = self.windows_of(frame, pair)[pulses / 2];
         let (slow, uneven) = (&tile.slow, !tile.slow.uneven().is_empty());
         let middle = slow.at(supports.pulses()[own.start + own.len() / 2]);
-        self.polynomials_between(tile, pair, interval, (middle, reference_s), frame, &mut work.polynomials);
+        let (mean_hz, polynomials) = (frame.mean_hz[pair], &mut work.polynomials);
+        self.polynomials_between(
+            (tile, pair, interval),
+            (middle, reference_s),
+            mean_hz,
+            [0.0; 2],
+            polynomials,
+        );
         let LaneWork { polynomials, amplitude, emitted, powers: in_use, rows, .. } = work;
         let reach = [
             -rows.shifts.iter().copied().max().unwrap_or(0),
@@ -203,24 +232,21 @@ impl Synth<f32> {
         }
     }
 
-    /// Adds the tile at a pulse to the cells of a layer.
-    fn add_pulse(
+    /// The sum of the rows of a layer at an emission, without its phase; returns its first cell by the window
+    /// that places count from.
+    fn sum_rows(
         &self,
-        (index, layer, pulse): (usize, &Layer, usize),
-        (supports, shape): (&Supports, Shape),
+        (index, layer): (usize, &Layer),
+        (supports, shape, emission): (&Supports, Shape, usize),
         rows: &mut Rows,
-        cells: &mut [f32],
-    ) {
-        let (from, weights) = supports.taps(pulse);
+    ) -> Option<i32> {
+        let (from, weights) = supports.taps(emission);
         let firsts = &rows.first[from..from + TAPS];
         let known = firsts.iter().flatten();
-        let (Some(&least), Some(&most)) = (known.clone().min(), known.max()) else { return };
+        let (Some(&least), Some(&most)) = (known.clone().min(), known.max()) else { return None };
         let (lanes, stride) = (layer.lanes, shape.stride * layer.lanes);
         let apart = (most - least) as usize;
         let length = (shape.cells + apart) * lanes;
-        let begins = least + rows.shifts[pulse];
-        let by = phasor(rows.turns[pulse]);
-        let by = [by.re as f32, by.im as f32];
         let held = rows.cells[index].as_slice();
         if apart <= APART && firsts.iter().all(Option::is_some) {
             rows.sum.resize(length, 0.0);
@@ -240,14 +266,18 @@ impl Synth<f32> {
                 self.variant.run(Weighted { row, weight: *weight, to });
             }
         }
-        // On the pulse's own grid, as much as lies on it.
+        Some(least)
+    }
+
+    /// Adds a sum, turned, to the cells of a layer from a cell on, as much as lies on its grid.
+    fn add_sum(&self, lanes: usize, begins: i32, by: Complex64, sum: &[f32], cells: &mut [f32]) {
         let skip = (-begins).max(0) as usize * lanes;
         let to = begins.max(0) as usize * lanes;
         let room = (self.shape.outside() * lanes).saturating_sub(to);
-        let sum = rows.sum.get(skip..).unwrap_or_default();
+        let sum = sum.get(skip..).unwrap_or_default();
         let sum = &sum[..sum.len().min(room)];
         let cells = &mut cells[to.min(self.shape.outside() * lanes)..];
-        self.variant.run(Added { sum, by, cells });
+        self.variant.run(Added { sum, by: [by.re as f32, by.im as f32], cells });
     }
 }
 

@@ -394,8 +394,23 @@ impl BlockEcho {
         let (from, count) = (emissions.start, (emissions.end - emissions.start) as usize);
         let instants = Instants::of_block(from, count, self.epochs_per_node, self.gain_pulses);
         work.tiers = Tiers::new(instants, self.sidelobe).with_wake(self.wake_epochs);
-        // Supports know no emissions but the own ones of windows.
-        let aligned = work.received.is_alone() && self.synth.windows_align(&work.windows_s);
+        let alone = work.received.is_alone();
+        work.frame.receives.clear();
+        if !alone {
+            let of = |(pulse, of): (usize, &Range<u64>)| {
+                let index = first + pulse as u64;
+                let held = of.start.max(from)..of.end.min(emissions.end);
+                held.map(move |emitted| Receives {
+                    emission: (emitted - from) as usize,
+                    pulse,
+                    offset_s: generator.offset_s(index, emitted),
+                })
+            };
+            let of_pulses = work.received.of_pulses().iter().enumerate();
+            work.frame.receives.extend(of_pulses.flat_map(of));
+            work.frame.receives.sort_unstable_by_key(|own| (own.emission, own.pulse));
+        }
+        let aligned = self.synth.windows_align(&work.windows_s, &work.frame.receives);
         work.tiers.between = self.between.filter(|_| aligned);
         let patch = generator.patch_of(from)?;
         let BlockWork { tiers, samples, tiles, mean_hz, nodes, windows_s, .. } = &mut *work;
@@ -408,8 +423,7 @@ impl BlockEcho {
             let rain = if generator.is_apart() { from } else { first + (of_pulses / 2) as u64 };
             self.mean_doppler(generator, (from, count, rain), memory, samples, nodes, mean_hz)?;
         }
-        let BlockWork { received, tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } =
-            &mut *work;
+        let BlockWork { tiers, samples, tiles, mean_hz, windows_s, frame, grids, lanes, .. } = &mut *work;
         memory.costs.lap(Stage::Record);
         if leads {
             self.synth.frame(windows_s, mean_hz, frame);
@@ -418,19 +432,7 @@ impl BlockEcho {
         generator.slow_time(from, count, &mut frame.slow);
         frame.carrier_turns = generator.carrier_turns(from, count, &mut frame.emission_turns);
         generator.pulse_groups(from, count, &mut frame.groups);
-        frame.receives.clear();
-        if !received.is_alone() {
-            let of = |(pulse, of): (usize, &Range<u64>)| {
-                let index = first + pulse as u64;
-                let held = of.start.max(from)..of.end.min(emissions.end);
-                held.map(move |emitted| Receives {
-                    emission: (emitted - from) as usize,
-                    pulse,
-                    offset_s: generator.offset_s(index, emitted),
-                })
-            };
-            frame.receives.extend(received.of_pulses().iter().enumerate().flat_map(of));
-            frame.receives.sort_unstable_by_key(|own| (own.emission, own.pulse));
+        if !alone {
             frame.fill_received();
             if frame.receives.is_empty() {
                 return Ok(0);
