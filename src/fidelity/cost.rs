@@ -126,6 +126,8 @@ pub struct Size {
     /// Pulses for which a patch that follows is held: blocks divide them, and share the updates between them.
     hold_pulses: Option<u64>,
     cells: f64,
+    /// Two for each sample that is transformed.
+    samples: f64,
     layers: f64,
     /// Share of the facets that is spread.
     kept: f64,
@@ -181,6 +183,7 @@ impl Size {
             update_pulses: shadow.map(|shadow| shadow.update_s * radar.emissions.mean_prf_hz()),
             hold_pulses: generator.hold_pulses(),
             cells: reach as f64 * settings.oversampling,
+            samples: 2.0 * reach as f64,
             layers: moments,
             kept,
             parts,
@@ -196,6 +199,21 @@ impl Size {
         self.received as u64
     }
 
+    /// What is spread in a pulse, by a kernel of a width, and what is transformed.
+    fn of_grids(&self, width: usize, amplitude: f64) -> [f64; 2] {
+        let Self { facets, pairs, channels, cells, layers, kept, received, filled, .. } = *self;
+        let of_path = amplitude + width as f64 * filled * channels / pairs.max(1.0);
+        let spread = received * kept * facets * pairs * layers * of_path;
+        [spread, filled * channels * layers * cells * cells.max(2.0).log2()]
+    }
+
+    /// Seconds of a common machine in which a pulse is spread and transformed.
+    pub fn grid_seconds(&self, width: usize) -> [f64; 2] {
+        let [spread, transform] = self.of_grids(width, 4.0);
+        let CostTable(each) = CostTable::TABLE;
+        [each[8] * spread, each[9] * transform]
+    }
+
     /// What settings ask for in a pulse; `interpolates`: in blocks.
     pub fn work(&self, chosen: &EchoSettings, interpolates: bool) -> Work {
         let Self {
@@ -209,25 +227,20 @@ impl Size {
             channels,
             antennas,
             update_pulses,
-            cells,
-            layers,
+            samples,
             kept,
             parts,
             again,
             received,
-            filled,
             ..
         } = *self;
-        let width = chosen.echo.width as f64;
         let wide = if chosen.precision == Precision::Double { 2.0 } else { 1.0 };
         let sidelobe = chosen.sidelobe_share;
         // Amplitudes through two scattering epochs are straight lines.
         let straight = chosen.sidelobe.is_some_and(|sidelobe| sidelobe.epochs <= 2);
         let amplitude = if straight { 4.0 - 2.0 * sidelobe } else { 4.0 };
-        let of_path = amplitude + width * filled * channels / pairs.max(1.0);
-        let spread = received * kept * facets * pairs * layers * of_path * wide;
-        let transform = filled * channels * layers * cells * cells.max(2.0).log2() * wide;
-        let rest = channels * cells * cells.max(2.0).log2();
+        let [spread, transform] = self.of_grids(chosen.echo.width, amplitude).map(|work| wide * work);
+        let rest = channels * samples * samples.max(2.0).log2();
         let block = chosen.block_pulses(self.hold_pulses).min(self.pulses.max(1));
         if !interpolates || block <= 1 || chosen.node_pulses <= 1 {
             let mut work = [0.0; PIECES];

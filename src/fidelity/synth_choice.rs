@@ -9,6 +9,7 @@ use crate::echo::Asked;
 use crate::echo::synth::doppler::{Doppler, Envelope, MeanEcho, rigid_error_power};
 use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
 use crate::fidelity::budget::Budget;
+use crate::fidelity::cost::Size;
 use crate::paths::PathGenerator;
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
@@ -16,7 +17,11 @@ use crate::scene::Scene;
 /// Units of pulses over which positions on the grid move in a common block, for their rounding.
 const DRIFT_PULSES: f64 = 12.0;
 /// Widths of the kernel.
-const WIDTHS: std::ops::RangeInclusive<usize> = 4..=8;
+const WIDTHS: std::ops::RangeInclusive<usize> = 2..=8;
+/// Cells a sample.
+const OVERSAMPLINGS: [f64; 3] = [2.0, 3.0, 4.0];
+/// Of what is spread, what transforms may take where there are more cells than need be.
+const OF_SPREAD: f64 = 0.03;
 /// Share of the budget that gridding and rounding may take, where a kernel allows.
 const OF_GRIDDING: f64 = 0.1;
 /// Share of the budget up to which envelopes are left rigid: 0.04 dB.
@@ -144,8 +149,8 @@ impl Echoes<'_> {
         Ok(choice)
     }
 
-    /// The narrowest kernel whose gridding and rounding take a tenth of the budget, or the widest there is;
-    /// its error, and the samples of a transform.
+    /// The narrowest kernel whose gridding takes a tenth of the budget, or the widest there is; its error, and
+    /// the samples of a transform.
     fn kernel(
         &self,
         sampler: &ErrorSampler<'_>,
@@ -156,17 +161,38 @@ impl Echoes<'_> {
             Some(_) => Doppler::Shift,
             None => Doppler::Taylor,
         });
-        let widths = kernel_width.map_or(WIDTHS, |width| width..=width);
-        let mut width = *widths.start();
-        loop {
-            let guard_samples = self.generator.guard_samples();
-            let settings = Settings { width, doppler, guard_samples, variant, ..Settings::default() };
+        let guard_samples = self.generator.guard_samples();
+        let of = |width: usize, oversampling: f64| {
+            let settings =
+                Settings { width, oversampling, doppler, guard_samples, variant, ..Settings::default() };
             let (error, fft_len) = self.error(sampler, settings, budget.precision)?;
-            if error.gridding <= OF_GRIDDING * budget.power || width >= *widths.end() {
-                return Ok((settings, error, fft_len));
-            }
-            width += 1;
+            Ok::<_, PlanError>((settings, error, fft_len))
+        };
+        let most = OF_GRIDDING * budget.power;
+        let mut chosen = of(kernel_width.unwrap_or(*WIDTHS.start()), OVERSAMPLINGS[0])?;
+        while kernel_width.is_none() && chosen.1.gridding > most && chosen.0.width < *WIDTHS.end() {
+            chosen = of(chosen.0.width + 1, OVERSAMPLINGS[0])?;
         }
+        // More cells take fewer taps.
+        for oversampling in OVERSAMPLINGS.into_iter().skip(1) {
+            let Settings { width, .. } = chosen.0;
+            if kernel_width.is_some() || width == *WIDTHS.start() || !self.is_short(&chosen.0, oversampling) {
+                break;
+            }
+            let narrower = of(width - 1, oversampling)?;
+            if narrower.1.gridding <= most {
+                chosen = narrower;
+            }
+        }
+        Ok(chosen)
+    }
+
+    /// Whether transforms of so many cells a sample take next to nothing beside what is spread.
+    fn is_short(&self, settings: &Settings, oversampling: f64) -> bool {
+        let settings = Settings { oversampling, ..*settings };
+        let size = Size::of(self.scene, self.generator, &settings, self.waveform.as_ref(), 1.0);
+        let [spread, transform] = size.grid_seconds(settings.width);
+        transform < OF_SPREAD * spread
     }
 
     /// Gridding and rounding, the worst pair, and the samples of a transform.

@@ -168,6 +168,7 @@ fn sidelobe_tiles_leave_what_their_gain_allows() {
             ("fidelity.node_pulses", "12"),
             ("fidelity.scatter_pulses", "12"),
             ("fidelity.gain_pulses", "3"),
+            ("fidelity.kernel_width", "6"),
             ("fidelity.sidelobe_db", sidelobe_db),
         ];
         let error_db = worst_db(&of(&written), &exact);

@@ -180,6 +180,28 @@ fn windows_are_cut_from_the_stream() {
     }
 }
 
+/// Sweeps so long that Doppler turns within them, over a sea and a target of another Doppler: in blocks, whose
+/// error is kept over all of them.
+#[test]
+fn long_sweeps_are_made_in_blocks() {
+    let radar = format!(
+        "prf_hz = 2000.0\nchannels = [\"HH\"]\nwaveform = {{ kind = \"lfm\", bandwidth_hz = 15e6, pulse_s = 500e-6 }}\n{}",
+        blocks(10_000)
+    );
+    for asked in some_of(["-60", "-40"]) {
+        let settings = [
+            ("fidelity.error_db", asked),
+            ("radar.sample_rate_hz", "20e6"),
+            ("scene.duration_s", "0.06"),
+            ("scene.patch_size_m", "[16, 16]"),
+            ("target.0.velocity_mps", "[-1, 1, 0]"),
+        ];
+        let run = run(true, &radar, "", &settings);
+        assert!(runs::plan(&run).chosen.node_pulses > 1, "{asked}: pulse by pulse");
+        runs::keeps_the_error(asked, &run);
+    }
+}
+
 /// Over all blocks, against the reference.
 #[test]
 fn blocks_keep_the_error() {

@@ -56,7 +56,7 @@ fn every_variant_and_width_errs_as_predicted_on_three_scenes() {
                 println!("NOT RUN: this CPU has no {variant}");
                 continue;
             }
-            for width in 4..=8 {
+            for width in 2..=8 {
                 let settings = Settings { width, doppler, variant: Some(variant), ..Settings::default() };
                 let (single, predicted) = measure::<f32>(patch, count, &CHANNELS, settings, &truths);
                 let (double, predicted64) = measure::<f64>(patch, count, &CHANNELS, settings, &truths);
@@ -84,7 +84,7 @@ fn gridding_alone_errs_as_predicted_from_both_sides() {
     let mut exact = vec![Complex64::ZERO; 4 * reference.fft_len()];
     reference.spectrum(&still(patch.paths(300, 1, 4, 0)), patch.window_s(0), &mut exact);
     for oversampling in [1.5, 2.0, 3.0] {
-        for width in 4..=8 {
+        for width in 2..=8 {
             let settings = Settings { width, oversampling, ..Settings::default() };
             let synth = patch.synth::<f64>(&CHANNELS, settings);
             let block = patch.fill(&synth, 1, |p| still(patch.paths(300, 1, 4, p)));

@@ -138,13 +138,23 @@ impl<T: Scalar> Grids<T> {
         let lanes = shape.lanes[layer];
         let from = pulse * shape.pulse_len() + shape.offset(layer);
         let cells = &self.cells.as_slice()[from..][..(shape.period + shape.width) * lanes];
-        out.fill(Complex::new(T::default(), T::default()));
-        let value = |cell: &[T]| Complex::new(cell[2 * channel], cell[2 * channel + 1]);
-        for (to, cell) in out.iter_mut().zip(cells.chunks_exact(lanes)) {
-            *to = value(cell);
+        match lanes {
+            2 => fold::<T, 2>(cells, channel, out),
+            4 => fold::<T, 4>(cells, channel, out),
+            _ => fold::<T, 8>(cells, channel, out),
         }
-        for (to, cell) in out.iter_mut().zip(cells[shape.period * lanes..].chunks_exact(lanes)) {
-            *to = *to + value(cell);
-        }
+    }
+}
+
+/// A channel of cells of `C` lanes; those beyond the end of the grid are added to its beginning.
+fn fold<T: Scalar, const C: usize>(cells: &[T], channel: usize, out: &mut [Complex<T>]) {
+    let cells = cells.as_chunks::<C>().0;
+    let value = |cell: &[T; C]| Complex::new(cell[2 * channel], cell[2 * channel + 1]);
+    for (to, cell) in out.iter_mut().zip(cells) {
+        *to = value(cell);
+    }
+    let period = out.len();
+    for (to, cell) in out.iter_mut().zip(cells.iter().skip(period)) {
+        *to = *to + value(cell);
     }
 }

@@ -114,7 +114,7 @@ pub enum Precision {
 /// The settings of the fast echo.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Cells that each scatterer path is spread over, 4 to 8.
+    /// Cells that each scatterer path is spread over, 2 to 8.
     pub width: usize,
     /// Least number of cells per sample, 1.5 to 8.
     pub oversampling: f64,
@@ -151,7 +151,7 @@ impl Default for Settings {
 #[non_exhaustive]
 pub enum SynthError {
     /// Width of the kernel out of range.
-    #[error("kernel width {width} is not allowed: 4 to 8 cells")]
+    #[error("kernel width {width} is not allowed: 2 to 8 cells")]
     Width {
         /// What was asked.
         width: usize,
@@ -339,7 +339,7 @@ impl<T: Scalar> Synth<T> {
             })
             .collect();
         let coefficients =
-            kernel.coefficients().iter().map(|parts| parts.map(|part| part.map(T::round_from))).collect();
+            kernel.coefficients().map(|parts| parts.map(|part| part.map(T::round_from))).collect();
         let bodies = layers.iter().map(|layer| T::body(variant, settings.width, layer.lanes)).collect();
         Ok(Self {
             waveform,

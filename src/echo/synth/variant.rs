@@ -33,6 +33,12 @@ fn fused<T: Scalar, I: Instructions, const W: usize, const C: usize>(job: &Job<'
 macro_rules! by_size {
     ($body:ident::<$($T:ty),+>, $width:expr, $lanes:expr) => {
         match ($width, $lanes) {
+            (2, 2) => $body::<$($T),+, 2, 2>,
+            (2, 4) => $body::<$($T),+, 2, 4>,
+            (2, _) => $body::<$($T),+, 2, 8>,
+            (3, 2) => $body::<$($T),+, 3, 2>,
+            (3, 4) => $body::<$($T),+, 3, 4>,
+            (3, _) => $body::<$($T),+, 3, 8>,
             (4, 2) => $body::<$($T),+, 4, 2>,
             (4, 4) => $body::<$($T),+, 4, 4>,
             (4, _) => $body::<$($T),+, 4, 8>,
