@@ -28,7 +28,7 @@ pub const SETTINGS: &[Setting] = &[
     Setting { key: "fidelity.scatter_pulses", values: &["4", "6", "12"] },
     Setting { key: "fidelity.gain_pulses", values: &["1", "2", "4", "6"] },
     Setting { key: "fidelity.sidelobe_db", values: &["-30.0", "-40.0", "-50.0", "-400.0"] },
-    Setting { key: "fidelity.kernel_width", values: &["4", "5", "6", "7"] },
+    Setting { key: "fidelity.kernel_width", values: &["3", "4", "5", "6", "7"] },
     Setting { key: "fidelity.doppler", values: &["mean", "shift", "taylor", "shift-taylor"] },
 ];
 

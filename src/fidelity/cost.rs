@@ -13,7 +13,7 @@
 //! | spread | scatterer paths kept x (4 + w cells of each channel) x emissions that a window receives | spread |
 //! | transform | channels x M log2 M | transform |
 //! | exact | facets x pairs, where every pulse is by itself | scatterer paths |
-//! | rest | channels x M log2 M | record, receive |
+//! | rest | channels x 2N log2 2N | record, receive |
 //! | points | targets, direct paths, and panels of ships, breakers and rain as far as they cost as much, x pairs | fill, spread |
 //! | lines | facets x pairs, and as many as `LINES` in a block, where Bragg waves travel | scatterer paths |
 //!
@@ -126,7 +126,7 @@ pub struct Size {
     /// Pulses for which a patch that follows is held: blocks divide them, and share the updates between them.
     hold_pulses: Option<u64>,
     cells: f64,
-    /// Two for each sample that is transformed.
+    /// Twice the samples of a transform, which set the cost of the rest.
     samples: f64,
     layers: f64,
     /// Share of the facets that is spread.

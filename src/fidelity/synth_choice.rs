@@ -22,7 +22,7 @@ const WIDTHS: std::ops::RangeInclusive<usize> = 2..=8;
 const OVERSAMPLINGS: [f64; 3] = [2.0, 3.0, 4.0];
 /// Of what is spread, what transforms may take where there are more cells than need be.
 const OF_SPREAD: f64 = 0.03;
-/// Share of the budget that gridding and rounding may take, where a kernel allows.
+/// Share of the budget that gridding may take, where a kernel allows.
 const OF_GRIDDING: f64 = 0.1;
 /// Share of the budget up to which envelopes are left rigid: 0.04 dB.
 const OF_RIGID: f64 = 0.01;
@@ -114,9 +114,11 @@ impl Echoes<'_> {
         let longest = blocks.iter().copied().max().unwrap_or(1);
         let of = |doppler: Doppler| (doppler, settings.envelope);
         let mut of_doppler = self.doppler_error(sampler, of(settings.doppler), fft_len, blocks)?;
-        let mut most = 0.5 * of_doppler.of_blocks(longest);
-        if asked.doppler.is_none() && !settings.doppler.has_moments() && 2.0 * most > OF_BANDS * budget.power
-        {
+        let of_one_layer = of_doppler.of_blocks(longest);
+        let free = asked.doppler.is_none() && !settings.doppler.has_moments();
+        if free && of_one_layer > OF_BANDS * budget.power {
+            // A second layer costs as much as the first.
+            let mut most = 0.5 * of_one_layer;
             for doppler in [Doppler::Taylor, Doppler::ShiftTaylor] {
                 let other = self.doppler_error(sampler, of(doppler), fft_len, blocks)?;
                 if other.of_blocks(longest) < most {
@@ -149,8 +151,8 @@ impl Echoes<'_> {
         Ok(choice)
     }
 
-    /// The narrowest kernel whose gridding takes a tenth of the budget, or the widest there is; its error, and
-    /// the samples of a transform.
+    /// The narrowest kernel whose gridding takes a tenth of the budget, or the widest there is, on as many cells
+    /// as pay; its error, and the samples of a transform.
     fn kernel(
         &self,
         sampler: &ErrorSampler<'_>,
@@ -173,15 +175,17 @@ impl Echoes<'_> {
         while kernel_width.is_none() && chosen.1.gridding > most && chosen.0.width < *WIDTHS.end() {
             chosen = of(chosen.0.width + 1, OVERSAMPLINGS[0])?;
         }
-        // More cells take fewer taps.
-        for oversampling in OVERSAMPLINGS.into_iter().skip(1) {
-            let Settings { width, .. } = chosen.0;
-            if kernel_width.is_some() || width == *WIDTHS.start() || !self.is_short(&chosen.0, oversampling) {
+        // More cells take fewer taps; where tiles have supports, what is spread is little.
+        let spread_at_all = sampler.between(budget.power).is_none();
+        for oversampling in OVERSAMPLINGS.into_iter().skip(1).filter(|_| spread_at_all) {
+            let width = kernel_width.unwrap_or(chosen.0.width.saturating_sub(1));
+            let known = kernel_width.is_some() && chosen.1.gridding <= most;
+            if known || width < *WIDTHS.start() || !self.is_short(&chosen.0, oversampling) {
                 break;
             }
-            let narrower = of(width - 1, oversampling)?;
-            if narrower.1.gridding <= most {
-                chosen = narrower;
+            let finer = of(width, oversampling)?;
+            if finer.1.gridding <= most {
+                chosen = finer;
             }
         }
         Ok(chosen)

@@ -179,8 +179,8 @@ impl SeaPlan {
         let realised = drawn(sea).map_err(|source| faults.push(SeaFault::from(source).into())).ok();
         let margin = run.margin(sea).map_err(|fault| faults.push(fault.into())).ok()?;
         let mut patches: Vec<_> = run.patches.iter().map(|(t, patch)| (*t, patch.grown(margin))).collect();
-        // Updates of the shadows, none before pulse 0, come before the first emission and after the last:
-        // ships have sailed less far, and sail on until then.
+        // Updates of the shadows, none before pulse 0, come before the first emission and after the last: so
+        // wakes must reach where ships are at these times.
         if let (Some(shadow), Some(&first), Some(&last)) =
             (run.shadowing(sea), patches.first(), patches.last())
         {

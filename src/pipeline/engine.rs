@@ -36,13 +36,12 @@ pub(crate) trait EchoEngine: Send + Sync {
 
     /// What its workers take of memory.
     fn needs(&self) -> Needs {
-        Needs { cell_bytes: 0, lists: 1, panel_pulses: 1 }
+        Needs { pulse_bytes: 0, lists: 1, panel_pulses: 1 }
     }
 
-    /// Grids of one worker with so many channels, bytes.
-    fn grid_bytes(&self, channels: usize) -> u64 {
-        let cells = 2 * (self.fft_len() * channels) as u64;
-        self.segment_pulses().saturating_mul(cells).saturating_mul(self.needs().cell_bytes)
+    /// Grids of one worker, bytes.
+    fn grid_bytes(&self) -> u64 {
+        self.segment_pulses().saturating_mul(self.needs().pulse_bytes)
     }
 
     /// The same with other nodes; `None` where it has none, or cannot have these.
@@ -79,8 +78,8 @@ pub(crate) trait EchoWorker: Send {
 
 /// What a worker of an engine takes of memory.
 pub(crate) struct Needs {
-    /// Of a cell of its grids, bytes; 0 without grids.
-    pub cell_bytes: u64,
+    /// Grids of a pulse, bytes; 0 without grids.
+    pub pulse_bytes: u64,
     /// Lists of scatterer paths.
     pub lists: usize,
     /// Pulses whose panels of ships are found together.

@@ -263,7 +263,7 @@ impl Overheard {
 
     /// Grids of one worker, bytes.
     pub fn grid_bytes(&self) -> u64 {
-        self.engine.grid_bytes(self.channels.len())
+        self.engine.grid_bytes()
     }
 
     /// Goes by other tracks than it was prepared on.

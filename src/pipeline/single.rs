@@ -39,7 +39,7 @@ impl EchoEngine for SingleEcho {
     }
 
     fn needs(&self) -> Needs {
-        Needs { cell_bytes: 16, lists: 1, panel_pulses: 1 }
+        Needs { pulse_bytes: self.synth.pulse_bytes(), lists: 1, panel_pulses: 1 }
     }
 
     fn worker<'f>(&'f self, paths: &PathGenerator) -> Box<dyn EchoWorker + 'f> {

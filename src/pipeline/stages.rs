@@ -196,7 +196,7 @@ impl PulseFactory {
 
     /// Grids of one worker, bytes.
     pub(crate) fn grid_bytes(&self) -> u64 {
-        let own = self.echo.grid_bytes(self.echo_channels());
+        let own = self.echo.grid_bytes();
         self.others.iter().fold(own, |sum, other| sum.saturating_add(other.grid_bytes()))
     }
 
@@ -225,7 +225,7 @@ impl PulseFactory {
 
     /// What pulses one by one take more than those of a block, bytes.
     pub(crate) fn single_bytes(&self, threads: usize) -> u64 {
-        let alone = self.echo.needs().cell_bytes > 0 && self.block_pulses() == 1;
+        let alone = self.echo.needs().pulse_bytes > 0 && self.block_pulses() == 1;
         if alone { memory::single_bytes(self.facets(), threads) } else { 0 }
     }
 

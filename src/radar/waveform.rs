@@ -69,6 +69,11 @@ pub trait Waveform: Send + Sync {
         None
     }
 
+    /// Frequency in the middle of a linear sweep, Hz.
+    fn sweep_middle_hz(&self) -> f64 {
+        0.0
+    }
+
     /// Samples that the pulse spans at a rate: `ceil(Tc fs)`, not counting one that rounding alone would add.
     fn span_samples(&self, sample_rate_hz: f64) -> usize {
         ((self.duration_s() * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as usize).max(1)

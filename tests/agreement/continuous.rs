@@ -197,7 +197,8 @@ fn long_sweeps_are_made_in_blocks() {
             ("target.0.velocity_mps", "[-1, 1, 0]"),
         ];
         let run = run(true, &radar, "", &settings);
-        assert!(runs::plan(&run).chosen.node_pulses > 1, "{asked}: pulse by pulse");
+        let chosen = runs::plan(&run).chosen;
+        assert!(chosen.node_pulses > 1 && chosen.between.is_some(), "{asked}: {chosen:?}");
         runs::keeps_the_error(asked, &run);
     }
 }

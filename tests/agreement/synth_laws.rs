@@ -200,7 +200,7 @@ proptest! {
         start_s in -1.0..1.0f64,
         step_s in prop_oneof![Just(0.0), -1e-6..1e-6, -1e3..1e3],
         doppler in prop::sample::select(DOPPLERS.to_vec()),
-        width in 4usize..=8,
+        width in 2usize..=8,
     ) {
         let patch = &patches()[0];
         let settings = Settings { width, doppler, ..Settings::default() };

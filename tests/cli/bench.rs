@@ -164,7 +164,7 @@ fn figures_that_cannot_be_measured_are_refused() {
     assert_eq!(crowded.code, 2, "{}", crowded.stderr);
     assert!(crowded.stderr.contains("--threads") && crowded.stderr.contains("1024"), "{}", crowded.stderr);
     refused("tradeoff", &["--error-pulses", "0"], "--error-pulses");
-    refused("tradeoff", &["--set", "fidelity.kernel_width=3"], "kernel_width");
+    refused("tradeoff", &["--set", "fidelity.kernel_width=9"], "kernel_width");
     let taken = folder.path().join("taken");
     fs::create_dir(&taken).unwrap();
     fs::write(taken.join("tradeoff.csv"), "mine").unwrap();

@@ -236,8 +236,14 @@ fn window(
 ) -> Option<(Window, bool)> {
     use keys::window::{FOLLOW, GATE, SAMPLES, START_US};
     let samples = section.count(&SAMPLES);
-    let continuous = section.choice::<GateKind>(&GATE)? == GateKind::Continuous;
-    if continuous {
+    let Some(kind) = section.choice::<GateKind>(&GATE) else {
+        // Report faults of the other keys as well.
+        let _ = section.number(&START_US);
+        let _ = section.section(&FOLLOW).and_then(|own| follow(own, ground, platforms));
+        section.finish();
+        return None;
+    };
+    if kind == GateKind::Continuous {
         section.idle(&[&START_US, &FOLLOW], "gate = \"continuous\"");
         let samples = samples.and_then(|samples| usize::try_from(samples).ok());
         let blocks = samples.zip(sample_rate_hz).filter(|(n, hz)| PulseTimes::blocks(*n, *hz).is_err());

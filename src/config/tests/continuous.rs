@@ -37,5 +37,10 @@ radar.window: gate = "continuous" beside clock errors of antennas is not allowed
 radar.window: gate = "continuous" beside rain_clutter is not allowed; allowed: gate = "windowed", or no rain_clutter
 "#);
     insta::assert_snapshot!(faults(&[("radar.window.gate", "'open'")]), @r#"radar.window.gate: "open" is not allowed; allowed: "windowed", "continuous""#);
+    let all = faults(&[("radar.window", "{ gate = 'open', samples = 1000, start_us = 'x', starts = 1 }")]);
+    assert!(
+        ["gate", "start_us", "starts"].iter().all(|key| all.contains(&format!("radar.window.{key}:"))),
+        "{all}"
+    );
     insta::assert_snapshot!(faults(&[("radar.prf_hz", "2000"), ("radar.waveform.pulse_s", "1e-3")]), @"radar.prf_hz: 500 us between pulses are shorter than the pulse of 1000 us: two pulses would leave at once; allowed: at least 1000 us");
 }

@@ -98,54 +98,70 @@ pub enum Envelope {
 }
 
 /// A scatterer path's Doppler off the mean as a delay and a phase; all of them linear in it but for the
-/// square of [`Doppler::Shift`].
+/// square of a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Correction {
     /// Turns per Hz, the sign reversed: the time from the beginning of the pulse at which its phase is right.
     pub middle_s: f64,
+    /// Half the length of the pulse, s.
+    half_s: f64,
     /// Rate of the sweep whose Doppler becomes a delay, Hz/s.
     sweep: Option<f64>,
-    /// Delay per Hz of the middle of a stretched pulse, s.
-    centred: f64,
+    /// Frequency in the middle of the sweep, Hz.
+    sweep_middle_hz: f64,
+    /// Stretch per Hz, 1/Hz: `1/f0`, 0 of rigid envelopes.
+    stretch: f64,
 }
 
 impl Correction {
     pub fn new(doppler: Doppler, envelope: Envelope, waveform: &dyn Waveform, carrier_hz: f64) -> Self {
         let half_s = 0.5 * waveform.duration_s();
         let mu = waveform.sweep_rate_hz_per_s();
-        let sweep = mu.filter(|_| doppler.needs_sweep());
-        match envelope {
-            Envelope::Rigid => Self { middle_s: half_s, sweep, centred: 0.0 },
-            Envelope::Stretched => Self {
-                middle_s: half_s + mu.unwrap_or(0.0) * half_s * half_s / (3.0 * carrier_hz),
-                sweep,
-                centred: half_s / carrier_hz,
-            },
+        let stretch = match envelope {
+            Envelope::Rigid => 0.0,
+            Envelope::Stretched => 1.0 / carrier_hz,
+        };
+        Self {
+            middle_s: half_s + mu.unwrap_or(0.0) * half_s * half_s * stretch / 3.0,
+            half_s,
+            sweep: mu.filter(|_| doppler.needs_sweep()),
+            sweep_middle_hz: waveform.sweep_middle_hz(),
+            stretch,
         }
     }
 
     /// Spectrum of the second layer at a bin of frequency `f_hz`, where an echo of the mean has the spectrum
-    /// of the pulse at `at_hz`, per Hz off the mean: the derivative of what this leaves.
+    /// of the pulse at `at_hz`, per Hz off the mean: the derivative of what this leaves,
+    ///
+    /// `-j 2 pi [(1 + f/f0) M - (mu c^2/(3 f0) + (f + nu0 - f_c)/mu) P]` ,
+    ///
+    /// `M` the spectrum of `(t' - c) p`, `f_c` the middle of the sweep; without `1/mu` where nothing is
+    /// shifted, without `1/f0` of rigid envelopes.
     pub fn moment(&self, waveform: &dyn Waveform, (f_hz, at_hz): (f64, f64), mean_hz: f64) -> Complex64 {
-        let mut moment = moment_spectrum(waveform, at_hz);
-        if let Some(mu) = self.sweep {
-            moment -= waveform.spectrum(at_hz) * ((f_hz + mean_hz) / mu);
-        }
-        Complex64::I * (-2.0 * PI) * moment
+        let shifted_s = self.sweep.map_or(0.0, |mu| (f_hz + self.about_hz(mean_hz)) / mu);
+        let known = waveform.spectrum(at_hz) * (self.middle_s - self.half_s + shifted_s);
+        let all = moment_spectrum(waveform, at_hz) * (1.0 + f_hz * self.stretch);
+        Complex64::I * (-2.0 * PI) * (all - known)
+    }
+
+    /// A mean Doppler from the middle of the sweep on, Hz.
+    pub fn about_hz(&self, mean_hz: f64) -> f64 {
+        mean_hz - self.sweep_middle_hz
     }
 
     /// Delay per Hz that replaces Doppler, s, and delay per Hz in all.
     pub fn delays(&self) -> [f64; 2] {
         let shifted = self.sweep.map_or(0.0, |mu| 1.0 / mu);
-        [shifted, shifted + self.centred]
+        // The middle of a stretched pulse.
+        [shifted, shifted + self.half_s * self.stretch]
     }
 
     /// `(turns, delay in s)` to be added to a scatterer path for the part of its Doppler that is not the
     /// mean's.
     pub fn of(&self, mean_hz: f64, residual_hz: f64) -> (f64, f64) {
-        let turns = -self.middle_s * residual_hz;
-        let shift_s = self.sweep.map_or(0.0, |mu| residual_hz / mu);
-        (turns - shift_s * (0.5 * residual_hz + mean_hz), shift_s + residual_hz * self.centred)
+        let [shifted, all] = self.delays();
+        let shift = residual_hz * shifted * (0.5 * residual_hz + self.about_hz(mean_hz));
+        (-self.middle_s * residual_hz - shift, residual_hz * all)
     }
 }
 

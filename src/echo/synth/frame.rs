@@ -149,10 +149,10 @@ impl Frame {
     /// Start of a window after its emission from which places count, s: of one in the middle of those that
     /// receive some of the emissions.
     pub(super) fn reference_s(&self, windows_s: &[f64], emissions: Range<usize>) -> f64 {
-        let received = self.received(emissions);
-        let middle = received.len() / 2;
+        let middle = self.received(emissions.clone()).len() / 2;
         let opens_s = |own: Receives| windows_s.get(own.pulse).map(|opens_s| opens_s - own.offset_s);
-        received.skip(middle).find_map(opens_s).unwrap_or(0.0)
+        let first = || self.received(emissions.clone()).find_map(opens_s);
+        self.received(emissions.clone()).skip(middle).find_map(opens_s).or_else(first).unwrap_or(0.0)
     }
 
     /// Who receives some of the emissions.

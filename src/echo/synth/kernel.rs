@@ -48,7 +48,7 @@ pub const OVERSAMPLINGS: std::ops::RangeInclusive<f64> = 1.5..=8.0;
 pub const MAX_TERMS: usize = 4;
 
 /// Coefficients in the even part of each tap, and in the odd one: the degree is twice that less one. More
-/// would lessen the error by 1 dB at most.
+/// would lessen the error by 1.5 dB at most.
 pub const fn terms(width: usize) -> usize {
     match width {
         2..=4 => 2,

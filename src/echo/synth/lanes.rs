@@ -71,7 +71,10 @@ impl Synth<f32> {
         fn reserve<T>(column: &mut Vec<T>, room: usize) {
             column.reserve(room.saturating_sub(column.len()));
         }
-        let LaneWork { polynomials, moments, amplitude, emitted, .. } = work;
+        let LaneWork { polynomials, moments, amplitude, emitted, rows, .. } = work;
+        reserve(&mut rows.shifts, pulses);
+        reserve(&mut rows.turns, pulses);
+        reserve(&mut rows.first, pulses);
         moments.resize_with(self.layers.len(), Vec::new);
         amplitude.resize_with(self.layers.len(), Default::default);
         for ((layer, moments), powers) in self.layers.iter().zip(moments).zip(amplitude) {
@@ -220,6 +223,7 @@ impl Synth<f32> {
             },
             carrier_hz: self.carrier_hz,
             mean_hz,
+            about_hz: correction.about_hz(mean_hz),
             middle_s: correction.middle_s,
             shifted,
             moved,
@@ -353,6 +357,8 @@ struct Polynomials<'a> {
     ends: Ends<'a>,
     carrier_hz: f64,
     mean_hz: f64,
+    /// The same from the middle of the sweep on.
+    about_hz: f64,
     middle_s: f64,
     /// Delay per Hz of Doppler off the mean, s: that which replaces Doppler, and all of it.
     shifted: f64,
@@ -386,7 +392,7 @@ impl Task for Polynomials<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { ends, carrier_hz, mean_hz, middle_s, shifted, moved, .. } = self;
+        let Self { ends, carrier_hz, mean_hz, about_hz, middle_s, shifted, moved, .. } = self;
         let Self { interval_s, length, middle, carrier_turns, count, polynomials, .. } = self;
         let [d0, d1] = ends.delay_s;
         let [r0, r1] = ends.delay_rate;
@@ -403,7 +409,7 @@ impl Task for Polynomials<'_> {
             for (end, rate) in [r0[i], r1[i]].into_iter().enumerate() {
                 let nu = carrier_hz * rate - mean_hz;
                 delays[end] = nu * moved;
-                extra[end] = -nu * middle_s - (nu * shifted) * (0.5 * nu + mean_hz);
+                extra[end] = -nu * middle_s - (nu * shifted) * (0.5 * nu + about_hz);
             }
             let difference = d1[i] - d0[i];
             let (v0, v1) = if length > 0.0 {

@@ -19,7 +19,7 @@
 //!
 //! | symbol | meaning | unit |
 //! | --- | --- | --- |
-//! | `M`, `N` | cells of the grid, bins of the spectrum, `sigma = M/N` about 2 | - |
+//! | `M`, `N` | cells of the grid, bins of the spectrum, `sigma = M/N`, 2 to 4 | - |
 //! | `y_n` | place of scatterer path `n` on the grid, cell `M fs/N` per second | cells |
 //! | `t_0` | time of cell 0 after the first sample | s |
 //! | `phi`, `phihat` | spreading kernel and its transform ([`kernel`]) | - |
@@ -396,6 +396,11 @@ impl<T: Scalar> Synth<T> {
     /// What it was built with.
     pub fn settings(&self) -> Settings {
         self.settings
+    }
+
+    /// What the grids of a pulse take, bytes.
+    pub fn pulse_bytes(&self) -> u64 {
+        (self.shape.pulse_len() * size_of::<T>()) as u64
     }
 
     /// Empty grids.

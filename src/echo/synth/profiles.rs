@@ -52,17 +52,17 @@ impl Synth<f32> {
     /// tiles be evaluated at supports alone. `receives` is that of a [`Frame`].
     pub fn windows_align(&self, windows_s: &[Vec<f64>], receives: &[Receives]) -> bool {
         let aligns = |windows_s: &Vec<f64>| {
-            let first_s = windows_s.first().copied().unwrap_or_default();
-            let whole = |start_s: f64| {
+            let alone = receives.is_empty().then_some(windows_s);
+            let mut starts_s = alone
+                .into_iter()
+                .flatten()
+                .copied()
+                .chain(receives.iter().filter_map(|own| Some(windows_s.get(own.pulse)? - own.offset_s)));
+            let first_s = starts_s.next().unwrap_or_default();
+            starts_s.all(|start_s| {
                 let cells = (start_s - first_s) * self.cells_per_s;
                 (cells - cells.round()).abs() < WHOLE_CELLS && cells.abs() < FAR_CELLS
-            };
-            let mut received =
-                receives.iter().filter_map(|own| Some(windows_s.get(own.pulse)? - own.offset_s));
-            match receives.is_empty() {
-                true => windows_s.iter().copied().all(whole),
-                false => received.all(whole),
-            }
+            })
         };
         windows_s.iter().all(aligns)
     }
@@ -87,7 +87,7 @@ impl Synth<f32> {
             ((reference_s - start_s) * self.cells_per_s).round() as i32
         }));
         tile.middle_turns(pair, self.carrier_hz, turns);
-        let shape = self.shape_of_rows(tile, pair);
+        let shape = self.shape_of_rows(tile, pair, &work.rows);
         let own = self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair);
         work.rows.cells.resize_with(self.layers.len(), Lined::default);
         for (index, layer) in own.clone() {
@@ -111,7 +111,8 @@ impl Synth<f32> {
                 let carrier = frame.turns_at(tile.slow.at(emission));
                 let apart = frame.emission_turns.get(emission).copied().unwrap_or(0.0);
                 let by = phasor(work.rows.turns[emission] + carrier + apart);
-                for (n, own) in received.enumerate() {
+                let known = received.enumerate().filter(|(_, own)| own.pulse < frame.pulses());
+                for (n, own) in known {
                     let begins = least + work.rows.shifts[at + n];
                     let from = self.shape.offset(index);
                     let cells = &mut grids.of_pulse(own.pulse)[from..][..self.shape.layer_len(index)];
@@ -122,10 +123,12 @@ impl Synth<f32> {
     }
 
     /// Rows as long as the tile at its nodes, and a little more.
-    fn shape_of_rows(&self, tile: &Tile, pair: usize) -> Shape {
+    fn shape_of_rows(&self, tile: &Tile, pair: usize, Rows { shifts, .. }: &Rows) -> Shape {
         let extent_s = tile.pairs[pair].extent_s(tile.count);
         let places = (extent_s * self.cells_per_s + MORE_CELLS).ceil() as usize;
-        let places = places.min(self.shape.outside());
+        // Windows may reach farther together than one of them.
+        let [least, most] = [shifts.iter().min(), shifts.iter().max()].map(|n| n.copied().unwrap_or(0));
+        let places = places.min(self.shape.outside() + (most - least) as usize);
         let (width, margin) = (self.settings.width, APART);
         let cells = places + width;
         Shape { margin, places, cells, stride: (cells + 2 * margin + width).next_multiple_of(2) }

@@ -135,7 +135,8 @@ impl EchoEngine for BlockEcho {
     }
 
     fn needs(&self) -> Needs {
-        Needs { cell_bytes: 8, lists: NODES + 1, panel_pulses: self.pulses_of_panels() + 1 }
+        let pulse_bytes = self.synth.pulse_bytes();
+        Needs { pulse_bytes, lists: NODES + 1, panel_pulses: self.pulses_of_panels() + 1 }
     }
 
     fn with_nodes(&self, chosen: &EchoSettings) -> Option<Arc<dyn EchoEngine>> {

@@ -47,4 +47,8 @@ impl Waveform for Offset {
     fn sweep_rate_hz_per_s(&self) -> Option<f64> {
         self.waveform.sweep_rate_hz_per_s()
     }
+
+    fn sweep_middle_hz(&self) -> f64 {
+        self.waveform.sweep_middle_hz() + self.offset_hz
+    }
 }
