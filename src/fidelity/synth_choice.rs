@@ -151,8 +151,8 @@ impl Echoes<'_> {
         Ok(choice)
     }
 
-    /// The narrowest kernel whose gridding takes a tenth of the budget, or the widest there is, on as many cells
-    /// as pay; its error, and the samples of a transform.
+    /// The narrowest kernel whose gridding takes a tenth of the budget, or the widest there is, on as many
+    /// cells as pay; its error, and the samples of a transform.
     fn kernel(
         &self,
         sampler: &ErrorSampler<'_>,

@@ -180,8 +180,8 @@ fn windows_are_cut_from_the_stream() {
     }
 }
 
-/// Sweeps so long that Doppler turns within them, over a sea and a target of another Doppler: in blocks, whose
-/// error is kept over all of them.
+/// Sweeps so long that Doppler turns within them, over a sea and a target of another Doppler: in blocks, and
+/// their error is kept over all of them.
 #[test]
 fn long_sweeps_are_made_in_blocks() {
     let radar = format!(
