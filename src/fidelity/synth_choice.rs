@@ -7,6 +7,7 @@ use super::probe::ErrorSampler;
 use super::probe::points::Law;
 use crate::echo::Asked;
 use crate::echo::synth::doppler::{Doppler, Envelope, MeanEcho, rigid_error_power};
+use crate::echo::synth::kernel::WIDTHS;
 use crate::echo::synth::{Precision, PredictedError, Settings, Synth};
 use crate::fidelity::budget::Budget;
 use crate::fidelity::cost::Size;
@@ -16,8 +17,6 @@ use crate::scene::Scene;
 
 /// Units of pulses over which positions on the grid move in a common block, for their rounding.
 const DRIFT_PULSES: f64 = 12.0;
-/// Widths of the kernel.
-const WIDTHS: std::ops::RangeInclusive<usize> = 2..=8;
 /// Cells a sample.
 const OVERSAMPLINGS: [f64; 3] = [2.0, 3.0, 4.0];
 /// Of what is spread, what transforms may take where there are more cells than need be.

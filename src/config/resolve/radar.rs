@@ -238,8 +238,7 @@ fn window(
     let samples = section.count(&SAMPLES);
     let Some(kind) = section.choice::<GateKind>(&GATE) else {
         // Report faults of the other keys as well.
-        let _ = section.number(&START_US);
-        let _ = section.section(&FOLLOW).and_then(|own| follow(own, ground, platforms));
+        opening(&section, [&START_US, &FOLLOW], ground, platforms);
         section.finish();
         return None;
     };
@@ -268,16 +267,22 @@ fn window(
 }
 
 /// Where a window starts, by one of the keys.
-fn gate(
+fn gate(section: &Section<'_>, keys: [&'static Key; 2], ground: &Ground, platforms: &Names) -> Option<Gate> {
+    let written = section.exactly_one(&keys);
+    let opening = opening(section, keys, ground, platforms);
+    written?;
+    opening
+}
+
+/// The same, whichever of them are written.
+fn opening(
     section: &Section<'_>,
     [start_us, follows]: [&'static Key; 2],
     ground: &Ground,
     platforms: &Names,
 ) -> Option<Gate> {
-    let written = section.exactly_one(&[start_us, follows]);
     let fixed = section.number(start_us).map(|us| Gate::Fixed { start_s: us / 1e6 });
     let follow = section.section(follows).and_then(|s| follow(s, ground, platforms));
-    written?;
     fixed.or(follow)
 }
 

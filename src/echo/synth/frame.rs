@@ -27,6 +27,13 @@ pub struct Receives {
     pub offset_s: f64,
 }
 
+impl Receives {
+    /// When its window opens after the emission, s, by the windows of all pulses; none of an unknown pulse.
+    pub(super) fn opens_s(&self, windows_s: &[f64]) -> Option<f64> {
+        windows_s.get(self.pulse).map(|opens_s| opens_s - self.offset_s)
+    }
+}
+
 /// What the pulses of a block have in common, whatever its scatterer paths, and the emissions at hand.
 #[derive(Debug, Default)]
 pub struct Frame {
@@ -150,7 +157,7 @@ impl Frame {
     /// receive some of the emissions.
     pub(super) fn reference_s(&self, windows_s: &[f64], emissions: Range<usize>) -> f64 {
         let middle = self.received(emissions.clone()).len() / 2;
-        let opens_s = |own: Receives| windows_s.get(own.pulse).map(|opens_s| opens_s - own.offset_s);
+        let opens_s = |own: Receives| own.opens_s(windows_s);
         let first = || self.received(emissions.clone()).find_map(opens_s);
         self.received(emissions.clone()).skip(middle).find_map(opens_s).or_else(first).unwrap_or(0.0)
     }
@@ -186,11 +193,10 @@ impl<T: Scalar> Synth<T> {
         emitted: &mut Vec<Emitted<T>>,
     ) -> f64 {
         emitted.clear();
-        let opens_s = |own: &Receives| windows_s.get(own.pulse).map(|opens_s| opens_s - own.offset_s);
         let reference_s = frame.reference_s(windows_s, emissions.clone());
         let uneven = !frame.slow.uneven().is_empty();
         emitted.extend(frame.received(emissions.clone()).filter_map(|own| {
-            let cells = (reference_s - opens_s(&own)?) * self.cells_per_s;
+            let cells = (reference_s - own.opens_s(windows_s)?) * self.cells_per_s;
             let cells = cells.clamp(-FAR_CELLS, FAR_CELLS);
             let whole = cells.round();
             let shift = (whole as i32, T::round_from(cells - whole));

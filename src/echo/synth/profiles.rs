@@ -45,26 +45,28 @@ struct Shape {
     cells: usize,
     /// Cells from row to row.
     stride: usize,
+    /// When the window opens that places count from, s.
+    reference_s: f64,
+    /// First cells by that window that any window receives, the first and the last.
+    reach: [i32; 2],
 }
 
 impl Synth<f32> {
     /// Whether windows lie whole cells apart, after each of the emissions that they receive: only then may
     /// tiles be evaluated at supports alone. `receives` is that of a [`Frame`].
     pub fn windows_align(&self, windows_s: &[Vec<f64>], receives: &[Receives]) -> bool {
-        let aligns = |windows_s: &Vec<f64>| {
-            let alone = receives.is_empty().then_some(windows_s);
-            let mut starts_s = alone
-                .into_iter()
-                .flatten()
-                .copied()
-                .chain(receives.iter().filter_map(|own| Some(windows_s.get(own.pulse)? - own.offset_s)));
-            let first_s = starts_s.next().unwrap_or_default();
-            starts_s.all(|start_s| {
-                let cells = (start_s - first_s) * self.cells_per_s;
-                (cells - cells.round()).abs() < WHOLE_CELLS && cells.abs() < FAR_CELLS
-            })
-        };
-        windows_s.iter().all(aligns)
+        windows_s.iter().all(|of| match receives {
+            [] => self.lie_whole_cells_apart(of.iter().copied()),
+            _ => self.lie_whole_cells_apart(receives.iter().filter_map(|own| own.opens_s(of))),
+        })
+    }
+
+    fn lie_whole_cells_apart(&self, mut starts_s: impl Iterator<Item = f64>) -> bool {
+        let first_s = starts_s.next().unwrap_or_default();
+        starts_s.all(|start_s| {
+            let cells = (start_s - first_s) * self.cells_per_s;
+            (cells - cells.round()).abs() < WHOLE_CELLS && cells.abs() < FAR_CELLS
+        })
     }
 
     /// Spreads a tile that was evaluated at its supports on the grids of its block.
@@ -83,18 +85,18 @@ impl Synth<f32> {
         let Rows { shifts, turns, .. } = &mut work.rows;
         shifts.clear();
         shifts.extend(frame.received(emissions.clone()).map(|own| {
-            let start_s = windows_s.get(own.pulse).map_or(reference_s, |opens_s| opens_s - own.offset_s);
+            let start_s = own.opens_s(windows_s).unwrap_or(reference_s);
             ((reference_s - start_s) * self.cells_per_s).round() as i32
         }));
         tile.middle_turns(pair, self.carrier_hz, turns);
-        let shape = self.shape_of_rows(tile, pair, &work.rows);
+        let shape = self.shape_of_rows(tile, pair, reference_s, &work.rows.shifts);
         let own = self.layers.iter().enumerate().filter(|(_, layer)| layer.pair == pair);
         work.rows.cells.resize_with(self.layers.len(), Lined::default);
         for (index, layer) in own.clone() {
             work.rows.cells[index].reset(supports.pulses().len() * shape.stride * layer.lanes);
         }
         work.rows.first.clear();
-        self.fill_rows(tile, pair, (supports, shape, reference_s), frame, work);
+        self.fill_rows(tile, pair, (supports, shape), frame, work);
         for (index, layer) in own {
             self.turn_rows(index, layer, (supports, shape), &mut work.rows);
             let mut before = 0;
@@ -123,7 +125,7 @@ impl Synth<f32> {
     }
 
     /// Rows as long as the tile at its nodes, and a little more.
-    fn shape_of_rows(&self, tile: &Tile, pair: usize, Rows { shifts, .. }: &Rows) -> Shape {
+    fn shape_of_rows(&self, tile: &Tile, pair: usize, reference_s: f64, shifts: &[i32]) -> Shape {
         let extent_s = tile.pairs[pair].extent_s(tile.count);
         let places = (extent_s * self.cells_per_s + MORE_CELLS).ceil() as usize;
         // Windows may reach farther together than one of them.
@@ -131,7 +133,8 @@ impl Synth<f32> {
         let places = places.min(self.shape.outside() + (most - least) as usize);
         let (width, margin) = (self.settings.width, APART);
         let cells = places + width;
-        Shape { margin, places, cells, stride: (cells + 2 * margin + width).next_multiple_of(2) }
+        let stride = (cells + 2 * margin + width).next_multiple_of(2);
+        Shape { margin, places, cells, stride, reference_s, reach: [-most, self.last_cell - least] }
     }
 
     /// Spreads the tile at every support on its row.
@@ -139,7 +142,7 @@ impl Synth<f32> {
         &self,
         tile: &Tile,
         pair: usize,
-        (supports, shape, reference_s): (&Supports, Shape, f64),
+        (supports, shape): (&Supports, Shape),
         frame: &Frame,
         work: &mut LaneWork,
     ) {
@@ -161,7 +164,7 @@ impl Synth<f32> {
                 for part in 0..parts {
                     let [a, b] = [part, part + 1].map(|n| own[0] + n * (own[1] - own[0]) / parts);
                     let of = (interval, middle, a..b);
-                    self.fill_part_of_rows(tile, pair, of, (supports, shape, reference_s), frame, work);
+                    self.fill_part_of_rows(tile, pair, of, (supports, shape), frame, work);
                 }
             }
         }
@@ -172,7 +175,7 @@ impl Synth<f32> {
         tile: &Tile,
         pair: usize,
         (interval, of_amplitudes, own): (usize, usize, Range<usize>),
-        (supports, shape, reference_s): (&Supports, Shape, f64),
+        (supports, shape): (&Supports, Shape),
         frame: &Frame,
         work: &mut LaneWork,
     ) {
@@ -181,21 +184,17 @@ impl Synth<f32> {
         let (mean_hz, polynomials) = (frame.mean_hz[pair], &mut work.polynomials);
         self.polynomials_between(
             (tile, pair, interval),
-            (middle, reference_s),
+            (middle, shape.reference_s),
             mean_hz,
             [0.0; 2],
             polynomials,
         );
         let LaneWork { polynomials, amplitude, emitted, powers: in_use, rows, .. } = work;
-        let reach = [
-            -rows.shifts.iter().copied().max().unwrap_or(0),
-            self.last_cell - rows.shifts.iter().copied().min().unwrap_or(0),
-        ];
         emitted.clear();
         for row in own.clone() {
             let at = slow.at(supports.pulses()[row]);
             let time = at - middle;
-            let least = self.variant.run(FirstCell { polynomials, time: time as f32, reach });
+            let least = self.variant.run(FirstCell { polynomials, time: time as f32, reach: shape.reach });
             rows.first.push(least);
             let shift = (-least.unwrap_or(0), 0.0);
             emitted.push(Emitted::new(shift, [time, at - slow.at(of_amplitudes)], (row, row), uneven));

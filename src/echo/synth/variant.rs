@@ -30,30 +30,26 @@ fn fused<T: Scalar, I: Instructions, const W: usize, const C: usize>(job: &Job<'
     }
 }
 
+macro_rules! by_lanes {
+    ($body:ident::<$($T:ty),+>, $width:literal, $lanes:expr) => {
+        match $lanes {
+            2 => $body::<$($T),+, $width, 2>,
+            4 => $body::<$($T),+, $width, 4>,
+            _ => $body::<$($T),+, $width, 8>,
+        }
+    };
+}
+
 macro_rules! by_size {
     ($body:ident::<$($T:ty),+>, $width:expr, $lanes:expr) => {
-        match ($width, $lanes) {
-            (2, 2) => $body::<$($T),+, 2, 2>,
-            (2, 4) => $body::<$($T),+, 2, 4>,
-            (2, _) => $body::<$($T),+, 2, 8>,
-            (3, 2) => $body::<$($T),+, 3, 2>,
-            (3, 4) => $body::<$($T),+, 3, 4>,
-            (3, _) => $body::<$($T),+, 3, 8>,
-            (4, 2) => $body::<$($T),+, 4, 2>,
-            (4, 4) => $body::<$($T),+, 4, 4>,
-            (4, _) => $body::<$($T),+, 4, 8>,
-            (5, 2) => $body::<$($T),+, 5, 2>,
-            (5, 4) => $body::<$($T),+, 5, 4>,
-            (5, _) => $body::<$($T),+, 5, 8>,
-            (6, 2) => $body::<$($T),+, 6, 2>,
-            (6, 4) => $body::<$($T),+, 6, 4>,
-            (6, _) => $body::<$($T),+, 6, 8>,
-            (7, 2) => $body::<$($T),+, 7, 2>,
-            (7, 4) => $body::<$($T),+, 7, 4>,
-            (7, _) => $body::<$($T),+, 7, 8>,
-            (_, 2) => $body::<$($T),+, 8, 2>,
-            (_, 4) => $body::<$($T),+, 8, 4>,
-            (_, _) => $body::<$($T),+, 8, 8>,
+        match $width {
+            2 => by_lanes!($body::<$($T),+>, 2, $lanes),
+            3 => by_lanes!($body::<$($T),+>, 3, $lanes),
+            4 => by_lanes!($body::<$($T),+>, 4, $lanes),
+            5 => by_lanes!($body::<$($T),+>, 5, $lanes),
+            6 => by_lanes!($body::<$($T),+>, 6, $lanes),
+            7 => by_lanes!($body::<$($T),+>, 7, $lanes),
+            _ => by_lanes!($body::<$($T),+>, 8, $lanes),
         }
     };
 }
