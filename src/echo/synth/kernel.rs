@@ -229,8 +229,9 @@ mod tests {
 
     #[test]
     fn gridding_errors_are_those_measured_elsewhere() {
-        // docs/physics.md section 15.4: relative rms of 5000 scatterers at 100 MHz, sigma = 2 (of 300 up to
-        // width 4: tests/agreement/synth_error.rs). Within 1 dB for what the flat band and the sample of scatterers leave open.
+        // docs/physics.md section 15.4: relative rms of 5000 scatterers at 100 MHz, sigma = 2; of 300 up to
+        // width 4 (tests/agreement/synth_error.rs). Within 1 dB for what the flat band and the sample of
+        // scatterers leave open.
         for (width, measured_db) in
             [(2, -30.9), (3, -51.2), (4, -72.2), (5, -89.9), (6, -110.0), (7, -130.0), (8, -149.0)]
         {
