@@ -34,6 +34,22 @@ pub mod flags {
     pub const NAV_STALE: u32 = 1 << 5;
     /// A platform reported nothing new: its report is held or extrapolated over a dropout.
     pub const REPORT_DROPOUT: u32 = 1 << 6;
+    /// Bits of the error class of the pulse: 0 as `fidelity.error_db` asks, `n` as the `n`-th of the errors to
+    /// which policy `relax` may go.
+    pub const ERROR_CLASS: u32 = MOST_CLASS << CLASS_AT;
+    /// The coarsest class that there is room for.
+    pub const MOST_CLASS: u32 = 7;
+    const CLASS_AT: u32 = 8;
+
+    /// The error class of a pulse with these flags.
+    pub const fn error_class(flags: u32) -> usize {
+        ((flags & ERROR_CLASS) >> CLASS_AT) as usize
+    }
+
+    /// The bits of an error class, [`MOST_CLASS`] at most.
+    pub const fn of_error_class(class: usize) -> u32 {
+        (class as u32) << CLASS_AT & ERROR_CLASS
+    }
 }
 
 /// Sizes of every field of a pulse.

@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::fidelity::cost::CostTable;
 use crate::pipeline::build::{PulseStream, sum_of};
 use crate::pipeline::fault::PulseError;
 use crate::pipeline::plausible::ConverterReport;
-use crate::pipeline::stages::Worker;
+use crate::pipeline::stages::{PulseFactory, Worker};
 use crate::scene::Radar;
 
 /// How long the trial lasts.
@@ -48,6 +49,18 @@ pub struct Resources {
     pub pulses_per_s: f64,
     /// Pulses per second made over pulses per second needed; real time needs more than 1.
     pub real_time_factor: f64,
+    /// The error classes to which policy `relax` may go.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub coarser: Vec<ClassForecast>,
+}
+
+/// An error class of policy `relax`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClassForecast {
+    /// The error that its pulses keep, dB.
+    pub error_db: f64,
+    /// By the cost model, from the speed that was measured of the first class.
+    pub real_time_factor: f64,
 }
 
 impl PulseStream {
@@ -57,6 +70,21 @@ impl PulseStream {
     /// A pulse that cannot be made.
     pub fn resources(&self, radar: &Radar) -> Result<Resources, PulseError> {
         self.resources_over(radar, TRIAL)
+    }
+
+    /// The error classes of policy `relax` beyond the first, where that makes pulses at so many times real
+    /// time.
+    fn coarser(&self, real_time_factor: f64) -> Vec<ClassForecast> {
+        let seconds = |factory: &PulseFactory| {
+            factory.plan().map(|plan| (CostTable::TABLE.seconds(&plan.work), plan.promised_db()))
+        };
+        let mut classes = self.classes().filter_map(seconds);
+        let asked_s = classes.next().map_or(0.0, |(seconds, _)| seconds);
+        let of = |(seconds, error_db)| ClassForecast {
+            error_db,
+            real_time_factor: real_time_factor * asked_s / seconds,
+        };
+        classes.map(of).collect()
     }
 
     /// The same over a longer or shorter trial; every worker makes a block at least.
@@ -129,6 +157,7 @@ impl PulseStream {
             trial_pulses: made,
             pulses_per_s,
             real_time_factor: pulses_per_s / prf_hz,
+            coarser: self.coarser(pulses_per_s / prf_hz),
         })
     }
 }

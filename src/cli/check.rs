@@ -12,7 +12,7 @@ use crate::adequacy::description::{scenario, sea, ships};
 use crate::adequacy::{emitter_budget, link_budget};
 use crate::bench::assessment::Assessment;
 use crate::bench::plan::PlanReport;
-use crate::bench::resources::Resources;
+use crate::bench::resources::{ClassForecast, Resources};
 use crate::config::Run;
 use crate::pipeline::memory::Slots;
 use crate::pipeline::plausible;
@@ -113,6 +113,13 @@ fn add_forecast(report: &mut Report, forecast: &Resources) {
         "speed",
         format!("{speed} pulses/s with {threads} ({trial} made for this forecast): {factor} times real time"),
     );
+    if !forecast.coarser.is_empty() {
+        let of = |class: &ClassForecast| {
+            format!("at {} dB {} times real time", class.error_db.round(), digits(class.real_time_factor))
+        };
+        let classes: Vec<String> = forecast.coarser.iter().map(of).collect();
+        report.row("where it falls behind", format!("{} (predicted from that)", classes.join(", ")));
+    }
     report.row("memory of the sea", format!("about {} MiB with {threads}", forecast.sea_bytes >> 20));
     report.row("in the window", format!("up to {}", counted(forecast.targets_in_window, "target")));
     let fast_s = forecast.pulses as f64 / forecast.pulses_per_s;

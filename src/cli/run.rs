@@ -24,7 +24,7 @@ use crate::pulse::log::Entry;
 use crate::recording::shard::Shard;
 use crate::sinks::redirection::redirect;
 use crate::sinks::sink::SinkReport;
-use crate::transport::Pace;
+use crate::transport::{Pace, Policy};
 
 /// How pulses are released.
 const PACES: [Word<Pace>; 2] = [
@@ -101,6 +101,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
         latency(&run, needed_s, stream.latency_s());
     }
     let (log, levels) = (stream.log(), stream.levels());
+    let classes_db = stream.header().error_classes_db().to_vec();
     let control = socket.zip(stream.control());
     let open =
         control.map(|(socket, control)| socket.open(Subject { control, stop: Arc::clone(&stop) }, say));
@@ -133,7 +134,7 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let converter = levels.get().and_then(|levels| ConverterReport::of(&run.scene.radar, levels));
     let mut report = Report::default();
     report.values(&outcome.summary);
-    add_release(&mut report, &run, &outcome);
+    add_release(&mut report, &run, &outcome, &classes_db);
     let missing = outcome.summary.health.dropped;
     if let Some(remedy) = in_hand.remedy().filter(|_| missing > 0) {
         report.warning(format_args!("{} dropped: {remedy}", were(missing)));
@@ -179,7 +180,7 @@ fn latency(run: &Run, needed_s: f64, latency_s: f64) {
 }
 
 /// How pulses were released.
-fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
+fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome, classes_db: &[f64]) {
     let (summary, health) = (&outcome.summary, &outcome.summary.health);
     let how = if summary.stopped { "stopped after" } else { "released" };
     // Two causes that ask for different remedies.
@@ -195,6 +196,14 @@ fn add_release(report: &mut Report, run: &Run, outcome: &RunOutcome) {
     let (late, dropped) = (health.late, health.dropped);
     report
         .line(format!("{how} {pulses} in {elapsed_s:.2} s: {late} late{held_up}, {dropped} dropped; {made}"));
+    if run.stream.policy == Policy::Relax && health.pulses > 0 {
+        let of = |(class, pulses): (usize, &u64)| match classes_db.get(class) {
+            Some(error_db) => format!("{} at {error_db:.0} dB", counted(*pulses, "pulse")),
+            None => counted(*pulses, "pulse"),
+        };
+        let classes: Vec<String> = health.by_class.iter().enumerate().map(of).collect();
+        report.line(format!("error classes: {}", classes.join(", ")));
+    }
     if run.stream.pace == Pace::Realtime && health.pulses > 0 {
         let lateness = &health.lateness_us;
         report.line(format!(

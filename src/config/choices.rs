@@ -154,7 +154,7 @@ words! {
     UpAxis { "z" = Self::Z, "y" = Self::Y }
     Doppler { "mean" = Self::Mean, "shift" = Self::Shift, "taylor" = Self::Taylor, "shift-taylor" = Self::ShiftTaylor }
     Pace { "realtime" = Self::Realtime, "fast" = Self::Fast }
-    Policy { "stop" = Self::Stop, "slip" = Self::Slip, "drop" = Self::Drop }
+    Policy { "stop" = Self::Stop, "slip" = Self::Slip, "drop" = Self::Drop, "relax" = Self::Relax }
     Messages { "samples" = Self::Samples, "multipart" = Self::Multipart }
     Profile { "nereus" = Self::Nereus, "difi" = Self::Difi }
     OnFailure { "stop" = Self::Stop, "continue" = Self::Continue }

@@ -114,6 +114,9 @@ pub struct Run {
     pub fidelity: Fidelity,
     /// How pulses are released.
     pub stream: transport::Settings,
+    /// Errors at which pulses may be made while generation falls behind (policy `relax`), dB, from fine to
+    /// coarse.
+    pub relax_db: Vec<f64>,
     /// Address of the live page.
     pub monitor: Option<String>,
     /// Where pulses go.
@@ -249,6 +252,7 @@ fn read(text: &str, path: &Path, overrides: &[(String, String)], files: Files) -
         shard: None,
         fidelity: parts.fidelity,
         stream: parts.stream,
+        relax_db: parts.relax_db,
         monitor: parts.monitor,
         sinks: parts.sinks,
         text,

@@ -460,6 +460,22 @@ fn settings_without_effect_are_named() {
 }
 
 #[test]
+fn errors_to_which_a_run_may_relax() {
+    let relax_db = |more: &[(&str, &str)]| {
+        let set = [&[("stream.policy", "relax"), ("fidelity.error_db", "-40")], more].concat();
+        coastal_with(&set).unwrap().relax_db
+    };
+    assert_eq!(relax_db(&[]), [-25.0]);
+    assert_eq!(relax_db(&[("stream.relax_db", "[-30, -22.5]")]), [-30.0, -22.5]);
+    assert_eq!(coastal_with(&[]).unwrap().relax_db, [0.0; 0]);
+    let faults = |set: &[(&str, &str)]| faults_of(&[&[("stream.relax_db", "[-45, -30]")], set].concat());
+    insta::assert_snapshot!(faults(&[]), @r#"stream.relax_db: not allowed here (policy is not "relax")"#);
+    insta::assert_snapshot!(faults(&[("stream.policy", "relax"), ("fidelity.error_db", "-40")]), @"stream.relax_db: entry 0, -45, is out of range; allowed: above -40 dB, the one before");
+    insta::assert_snapshot!(faults(&[("stream.policy", "relax"), ("stream.relax_db", "[-30, -30]")]), @"stream.relax_db: entry 1, -30, is out of range; allowed: above -30 dB, the one before");
+    insta::assert_snapshot!(faults(&[("stream.policy", "relax"), ("fidelity.echo", "reference")]), @r#"stream.policy: "relax" is not allowed beside fidelity.echo = "reference"; allowed: "stop", "slip", "drop""#);
+}
+
+#[test]
 fn what_cannot_be_is_a_fault() {
     insta::assert_snapshot!(faults_of(&[("radar.losses_db", "-3")]), @"radar.losses_db: -3 is out of range; allowed: a number from 0 to 300 dB");
     insta::assert_snapshot!(faults_of(&[("radar.prf_hz", "3.1e6")]), @"radar.prf_hz: 0.322581 us between pulses are shorter than the pulse of 0.333 us: two pulses would leave at once; allowed: at least 0.333 us");

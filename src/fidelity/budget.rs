@@ -7,7 +7,7 @@ use crate::echo::Asked;
 use crate::echo::synth::Precision;
 
 /// Budgets from here down are kept in f64, pulse by pulse, dB.
-pub const EXACT_DB: f64 = -90.0;
+pub const EXACT_DB: f64 = -100.0;
 
 /// What is left out because it is weak stays so far below the budget, dB.
 pub const CULLED_DB: f64 = 10.0;
@@ -44,6 +44,11 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// The error that pulses keep, dB: what is asked, or what is predicted where that is more.
+    pub fn promised_db(&self) -> f64 {
+        self.asked.error_db.max(self.prediction.total_db())
+    }
+
     /// Whether the requested error is kept.
     pub fn keeps(&self) -> bool {
         self.prediction.total_db() <= self.asked.error_db

@@ -31,6 +31,8 @@ pub struct Hub {
     pub about: String,
     /// Names of the platforms.
     pub platforms: Vec<String>,
+    /// Error of each class of pulses, dB; empty where there is one.
+    pub classes_db: Vec<f64>,
     /// Mean PRF, Hz.
     pub prf_hz: f64,
     /// Asks for changes, where that is allowed.
@@ -132,6 +134,7 @@ impl Hub {
         Self {
             about: about(header, scenery, columns, control.is_some()).to_string(),
             platforms: header.platforms.clone(),
+            classes_db: header.error_classes_db().to_vec(),
             prf_hz: header.prf_hz,
             control,
             log: header.changes.clone(),

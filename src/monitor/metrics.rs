@@ -49,6 +49,9 @@ pub fn metrics(hub: &Hub) -> String {
     page.counter("pulses_made_total", "Pulses made.", counters.made);
     page.counter("pulses_extrapolated_total", "Pulses on extrapolated navigation.", counters.extrapolated);
     page.counter("pulses_stale_total", "Pulses on stale navigation.", counters.stale);
+    let by_class = hub.classes_db.iter().zip(counters.by_class);
+    let by_class: Vec<_> = by_class.map(|(db, n)| (label("error_db", &db.to_string()), n as f64)).collect();
+    page.metric("pulses_by_error_total", "counter", "Pulses released by the error asked of them.", &by_class);
     page.gauge("slipped_seconds", "How far the schedule was moved.", counters.slipped_s);
     page.gauge("ring_filled", "Pulses ready at the last release.", counters.ring_filled as f64);
     page.gauge("ring_slots", "Slots of the ring before the release.", counters.ring_slots as f64);

@@ -6,6 +6,7 @@ use super::history::Instant;
 use super::hub::{Hub, Now};
 use super::misreport::misreports;
 use crate::pulse::PlatformRecord;
+use crate::pulse::flags::error_class;
 use crate::transport::health::LATENESS_BOUNDS_NS;
 
 /// A number as the page needs it: to so many decimals.
@@ -52,6 +53,10 @@ pub fn status(hub: &Hub) -> Value {
         "real_time_factor": state.real_time_factor.map(|factor| rounded(factor, 3)),
         "extrapolated": counters.extrapolated,
         "stale": counters.stale,
+        "by_class": hub.classes_db.iter().zip(counters.by_class).map(|(db, pulses)| json!({
+            "error_db": rounded(*db, 1), "pulses": pulses,
+        })).collect::<Vec<_>>(),
+        "error_db": state.now.as_ref().and_then(|now| hub.classes_db.get(error_class(now.flags))),
         "lateness": { "bounds_ns": LATENESS_BOUNDS_NS, "pulses": counters.lateness },
         "ring": { "filled": counters.ring_filled, "slots": counters.ring_slots },
         "sinks": counters.sinks,

@@ -7,9 +7,10 @@
 //! Claims are bookkeeping only: a pulse depends on its number alone, so neither their length nor the
 //! thread count changes a bit of it.
 
-use super::factory::with_files;
+use super::factory::with_classes;
 use super::fault::{BuildError, BuildErrors};
 use super::memory::{Predicted, Slots, UNUSED_SLOT_BYTES, available_bytes};
+use std::iter;
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
@@ -40,7 +41,7 @@ use crate::transport::pacer::{InHand, Status};
 use crate::transport::schedule::Schedule;
 use crate::transport::stage::{Outcome, RunError, Stream};
 use crate::transport::view::{self, Onlooker, View};
-use crate::transport::{self};
+use crate::transport::{self, Policy};
 
 use super::changing;
 use super::clock_start;
@@ -50,9 +51,9 @@ use super::memory::{PROGRAM_BYTES, sea_bytes};
 use super::outputs::{self, crsd_plan, header, open_all, placed, same_kind};
 use super::plausible;
 use super::prepared::{Files, Prepared};
-use super::stages::{PulseFactory, Worker};
+use super::stages::PulseFactory;
 use super::tracks::set_tracks;
-use super::workers::{generate, warm_up, yield_to_pacer};
+use super::workers::{Crew, generate, warm_up, yield_to_pacer};
 use crate::pipeline::fault::PulseError;
 
 pub use super::tracks::{TrackNote, tracks};
@@ -63,6 +64,8 @@ const RING_BYTES: usize = 256 << 20;
 /// A run that is ready to start.
 pub struct PulseStream {
     factory: PulseFactory,
+    /// What makes pulses at coarser errors (policy `relax`).
+    coarser: Vec<PulseFactory>,
     settings: transport::Settings,
     schedule: Schedule,
     /// Whether these are all pulses of the scenario.
@@ -219,13 +222,19 @@ fn built(
     faults.extend(plausible::faults(&prepared));
     let make = || {
         let tracks = changing::tracks(prepared.tracks().to_vec(), scene, changes.as_ref())?;
-        let factory = with_files(scene, tracks, &run.fidelity, &run.clocks, prepared.files())?
-            .with_calibration(&run.calibration, &scene.radar)?;
+        // At pace `fast` nothing falls behind.
+        let paced = run.stream.pace == transport::Pace::Realtime;
+        let relax_db = if paced { &run.relax_db[..] } else { &[] };
+        let (factory, coarser) =
+            with_classes(scene, tracks, (&run.fidelity, relax_db), &run.clocks, prepared.files())?;
+        let calibrated = |factory: PulseFactory| factory.with_calibration(&run.calibration, &scene.radar);
+        let coarser = coarser.into_iter().map(calibrated).collect::<Result<_, _>>()?;
+        let factory = calibrated(factory)?;
         changing::enter(&run.events, changes.as_ref())?;
-        Ok::<_, BuildErrors>(factory)
+        Ok::<_, BuildErrors>((factory, coarser))
     };
-    let factory = match make() {
-        Ok(factory) if faults.is_empty() => factory,
+    let (factory, coarser): (_, Vec<PulseFactory>) = match make() {
+        Ok(made) if faults.is_empty() => made,
         Ok(_) => return Err(BuildErrors(faults)),
         Err(errors) => return refused(faults, prepared.files(), errors),
     };
@@ -253,18 +262,20 @@ fn built(
     let schedule =
         Schedule { times: scene.radar.emissions.clone(), first: range.start, count: range.end - range.start };
     let scene = prepared.files().laden(scene)?;
-    let header = header(run, scene, &factory, &schedule, changes.as_ref());
+    let header = header(run, scene, (&factory, &coarser), &schedule, changes.as_ref());
     header.check().map_err(SinkError::from)?;
     let crsd = crsd_plan(run, scene, &header)?;
     // Every worker has a block in hand while one waits to be released.
-    let block = usize::try_from(factory.block_pulses()).unwrap_or(usize::MAX);
+    let block_pulses = coarser.iter().map(PulseFactory::block_pulses).fold(factory.block_pulses(), u64::max);
+    let block = usize::try_from(block_pulses).unwrap_or(usize::MAX);
     let layout = factory.layout();
     let slot_bytes = layout.channels * layout.samples * size_of::<Complex32>();
     let wanted = block.saturating_mul(2 * threads + 1).min(RING_BYTES / slot_bytes.max(1));
     let ring_slots = run.stream.ring_slots.max(wanted);
-    let batch_pulses = factory.block_pulses().saturating_mul(threads as u64);
-    Ok(PulseStream {
+    let batch_pulses = block_pulses.saturating_mul(threads as u64);
+    let mut stream = PulseStream {
         factory,
+        coarser,
         settings: transport::Settings { ring_slots, batch_pulses, ..run.stream },
         is_whole: range == (0..run.scene.pulses),
         schedule,
@@ -283,7 +294,14 @@ fn built(
             .filter(|_| run.control)
             .map(|changes| control(changes, range.end - range.start)),
         changes,
-    })
+    };
+    // Twice as slow as real time, what is made at once is still made in time: so much is to be noticed.
+    let relaxed_s = 2.0 * stream.in_hand().batch_s;
+    let may_wait = run.stream.policy == Policy::Relax && !run.stream.latency_given;
+    if may_wait && stream.settings.latency_s < relaxed_s {
+        stream.wait_for(relaxed_s);
+    }
+    Ok(stream)
 }
 
 impl PulseStream {
@@ -323,6 +341,11 @@ impl PulseStream {
     /// What makes the pulses.
     pub fn factory(&self) -> &PulseFactory {
         &self.factory
+    }
+
+    /// What makes them of every error class: as asked, then ever coarser (policy `relax`).
+    pub fn classes(&self) -> impl Iterator<Item = &PulseFactory> {
+        iter::once(&self.factory).chain(&self.coarser)
     }
 
     /// Which pulses, and when.
@@ -368,7 +391,8 @@ impl PulseStream {
 
     /// What the run takes of memory with these sinks, as far as it is predicted.
     pub fn predicted_bytes(&self, sinks: &[sinks::Settings]) -> Predicted {
-        let grids = self.factory.grid_bytes().saturating_mul(self.threads() as u64);
+        let grids = self.classes().map(PulseFactory::grid_bytes).fold(0, u64::saturating_add);
+        let grids = grids.saturating_mul(self.threads() as u64);
         let Slots { ring, held } = Slots::of(&self.settings, sinks);
         let slot_bytes = self.factory.layout.slot_bytes() as u64;
         let of = |slots: usize, bytes: u64| (slots as u64).saturating_mul(bytes);
@@ -450,6 +474,7 @@ impl PulseStream {
     ) -> Result<(RunOutcome, Costs), BuildErrors> {
         let Self {
             factory,
+            coarser,
             settings,
             schedule,
             header,
@@ -474,14 +499,15 @@ impl PulseStream {
         if let Some(view) = view {
             stream.view(view);
         }
-        let mut workers: Vec<Worker<'_>> =
-            (0..pool.current_num_threads()).map(|_| factory.worker()).collect();
+        let classes: Vec<&PulseFactory> = iter::once(&factory).chain(&coarser).collect();
+        let crew = || -> Crew<'_> { classes.iter().map(|factory| factory.worker()).collect() };
+        let mut crews: Vec<Crew<'_>> = (0..pool.current_num_threads()).map(|_| crew()).collect();
         let begun = Instant::now();
-        pool.install(|| warm_up(&factory, &range, &mut workers));
+        pool.install(|| warm_up(&classes, &range, &mut crews));
         let nav = match live {
             Some(live) => {
                 live.nav.took(begun.elapsed());
-                factory.fly(live.tracks);
+                classes.iter().for_each(|factory| factory.fly(live.tracks.clone()));
                 live.nav.await_begin(first, stop)?;
                 Some(live.nav)
             }
@@ -514,11 +540,12 @@ impl PulseStream {
         }
         let outcome = stream.run(|source| {
             // The loop runs inside the pool: handing work in from outside would allocate.
-            pool.install(|| generate(source, &factory, nav.as_deref(), range, &mut workers, commands))
+            pool.install(|| generate(source, &classes, nav.as_deref(), range, &mut crews, commands))
         });
         let mut costs = Costs::default();
-        workers.iter().for_each(|worker| costs.add(worker.costs()));
-        let _ = levels.set(sum_of(workers.iter().map(Worker::levels)));
+        let workers = || crews.iter().flatten();
+        workers().for_each(|worker| costs.add(worker.costs()));
+        let _ = levels.set(sum_of(workers().map(|worker| worker.levels())));
         Ok((placed(outcome, asked, policy), costs))
     }
 }

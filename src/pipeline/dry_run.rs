@@ -45,7 +45,7 @@ const TRIES: u32 = 5;
 /// How much finer than what was missed the next settings are, dB.
 const CLOSER_DB: f64 = 3.0;
 /// How far below what is asked exact pulses are, dB: long pulses are then made in fewer bands of Doppler.
-const FINER_DB: f64 = 30.0;
+const FINER_DB: f64 = 40.0;
 /// How far below what is asked pulses one by one are tried before exact ones, dB.
 const HALFWAY_DB: f64 = 15.0;
 /// What exact scatterer paths on the finest grid are themselves off the reference, and other instructions
@@ -63,14 +63,25 @@ const HEAVIEST_TAIL: f64 = 1.5;
 const LEAST_TAIL: usize = 4;
 const OF_FEW: f64 = 0.5;
 
-/// The settings of a scene, tried where that costs little.
-pub(crate) fn plan(
+/// The settings of a scene for every one of some errors, tried where that costs little.
+pub(crate) fn plans(
+    scene: &Scene,
+    generator: &PathGenerator,
+    waveform: &Arc<dyn Waveform>,
+    asked: &[Asked],
+) -> Result<Vec<Plan>, BuildErrors> {
+    let Some(first) = asked.first() else { return Ok(Vec::new()) };
+    let mut chooser = Chooser::new(scene, generator, waveform, first)?;
+    asked.iter().map(|asked| plan(&mut chooser, scene, generator, waveform, asked)).collect()
+}
+
+fn plan(
+    chooser: &mut Chooser<'_>,
     scene: &Scene,
     generator: &PathGenerator,
     waveform: &Arc<dyn Waveform>,
     asked: &Asked,
 ) -> Result<Plan, BuildErrors> {
-    let mut chooser = Chooser::new(scene, generator, waveform, asked)?;
     // A pulse is judged by the mean of all, of which few may receive anything.
     let share = if generator.is_apart() { least_share(share_of_pulses(generator, generator)?) } else { 1.0 };
     let finer = |error_db: f64| (error_db + 10.0 * share.log10()).max(EXACT_DB.min(error_db));
@@ -79,7 +90,7 @@ pub(crate) fn plan(
         let prediction = plan.prediction.over_share(share);
         Ok::<_, BuildErrors>(Plan { asked: *asked, prediction, ..plan })
     };
-    let first = choose(&mut chooser, asked.error_db, asked.node_pulses)?;
+    let first = choose(chooser, asked.error_db, asked.node_pulses)?;
     let chosen = Chosen::of(scene, generator, first.chosen.block_pulses(generator.hold_pulses()));
     let exact = asked.node_pulses.map_or(asked.error_db <= EXACT_DB, |pulses| pulses <= 1);
     if exact || (chosen.pulses.len() as u64) < LEAST_PULSES {
@@ -109,7 +120,7 @@ pub(crate) fn plan(
             if target_db <= EXACT_DB {
                 break None;
             }
-            let next = choose(&mut chooser, target_db, asked.node_pulses)?;
+            let next = choose(chooser, target_db, asked.node_pulses)?;
             if next.chosen != tried.chosen {
                 break Some(next);
             }
@@ -124,7 +135,7 @@ pub(crate) fn plan(
         return Ok(best);
     }
     for error_db in [asked.error_db, asked.error_db - HALFWAY_DB, EXACT_DB] {
-        let plan = choose(&mut chooser, error_db.max(EXACT_DB), Some(1))?;
+        let plan = choose(chooser, error_db.max(EXACT_DB), Some(1))?;
         // The same settings again say the same again.
         if plan.chosen == tried.chosen {
             continue;

@@ -1,5 +1,6 @@
 //! From a scene to what makes its pulses.
 
+use std::iter;
 use std::sync::Arc;
 
 use super::dry_run;
@@ -7,8 +8,9 @@ use super::engines;
 use super::fault::BuildErrors;
 use super::overheard::{self, Overheard, segment_apart};
 use super::prepared::Files;
+use super::relax;
 use super::stages::PulseFactory;
-use crate::echo::Fidelity;
+use crate::echo::{Asked, Fidelity};
 use crate::fidelity::Prediction;
 use crate::fidelity::budget::Plan;
 use crate::motion::PlatformTracks;
@@ -48,6 +50,17 @@ pub(super) fn with_files(
     clocks: &Clocks,
     files: &Files,
 ) -> Result<PulseFactory, BuildErrors> {
+    Ok(with_classes(scene, tracks, (fidelity, &[]), clocks, files)?.0)
+}
+
+/// The same, and what makes them at coarser errors, dB, of the fast echo.
+pub(super) fn with_classes(
+    scene: &Scene,
+    tracks: Vec<PlatformTracks>,
+    (fidelity, relax_db): (&Fidelity, &[f64]),
+    clocks: &Clocks,
+    files: &Files,
+) -> Result<(PulseFactory, Vec<PulseFactory>), BuildErrors> {
     let scene = files.laden(scene)?;
     let waveform = Arc::clone(files.waveform(scene)?);
     let radar = &scene.radar;
@@ -62,19 +75,27 @@ pub(super) fn with_files(
     let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
     let clocks = clocks.map(Arc::new);
     let generator = generator.with_clocks(clocks.clone());
-    let plan = match fidelity {
-        Fidelity::Reference => None,
-        Fidelity::Fast(asked) => Some(dry_run::plan(own, &generator, &waveform, asked)?),
+    let make = |plan: Option<Plan>| {
+        let segment =
+            sent.is_some().then(|| segment_apart(plan.as_ref(), own, &generator, waveform.as_ref()));
+        let echo = engines::engine(plan.as_ref(), radar, segment, &generator, &waveform)?;
+        let segment = echo.segment_pulses();
+        let fidelity = plan.map_or(Fidelity::Reference, |plan| Fidelity::Fast(plan.asked));
+        let others: Vec<Overheard> = others
+            .iter()
+            .map(|other| other.clone().planned(&generator, &fidelity, segment, clocks.clone()))
+            .collect::<Result<_, _>>()?;
+        let emitters = others.iter().map(Overheard::error).fold(0.0, f64::max);
+        let plan = plan.map(|plan| Plan { prediction: Prediction { emitters, ..plan.prediction }, ..plan });
+        let factory = PulseFactory::new((echo, plan), (scene, radar), generator.clone(), waveform.clone());
+        Ok::<_, BuildErrors>(factory.with_clocks(clocks.clone()).with_others(others))
     };
-    let segment = sent.is_some().then(|| segment_apart(plan.as_ref(), own, &generator, waveform.as_ref()));
-    let echo = engines::engine(plan.as_ref(), radar, segment, &generator, &waveform)?;
-    let segment = echo.segment_pulses();
-    let others: Vec<Overheard> = others
-        .into_iter()
-        .map(|other| other.planned(&generator, fidelity, segment, clocks.clone()))
-        .collect::<Result<_, _>>()?;
-    let emitters = others.iter().map(Overheard::error).fold(0.0, f64::max);
-    let plan = plan.map(|plan| Plan { prediction: Prediction { emitters, ..plan.prediction }, ..plan });
-    let factory = PulseFactory::new((echo, plan), (scene, radar), generator, waveform);
-    Ok(factory.with_clocks(clocks).with_others(others))
+    let Fidelity::Fast(asked) = fidelity else { return Ok((make(None)?, Vec::new())) };
+    let coarser = relax_db.iter().map(|error_db| Asked { error_db: *error_db, ..*asked });
+    let asked: Vec<Asked> = iter::once(*asked).chain(coarser).collect();
+    let mut plans = dry_run::plans(own, &generator, &waveform, &asked)?.into_iter().map(Some);
+    let first = make(plans.next().flatten())?;
+    let coarser = plans.map(make).collect::<Result<_, _>>()?;
+    let coarser = relax::worth_having(&first, coarser);
+    Ok((first, coarser))
 }

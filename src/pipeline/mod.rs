@@ -28,6 +28,7 @@ pub mod memory;
 mod navigation;
 pub mod prepared;
 mod refit;
+mod relax;
 pub mod released;
 pub(crate) mod outputs;
 mod overheard;

@@ -1,5 +1,6 @@
 //! Opens where pulses go, and describes the run there.
 
+use std::iter;
 use std::sync::Arc;
 
 use super::navigation;
@@ -38,11 +39,19 @@ fn unnamed(settings: &sinks::Settings) -> Option<SinkError> {
     path.file_name().is_none().then(|| SinkError::io(path, "making the recording")(source))
 }
 
+/// The error that pulses of each class keep, dB: as asked, or as predicted where that is more. Empty where
+/// all pulses are of one class.
+fn error_classes_db(factory: &PulseFactory, coarser: &[PulseFactory]) -> Vec<f64> {
+    let of = |factory: &PulseFactory| Some(factory.plan()?.promised_db());
+    let classes = || iter::once(factory).chain(coarser).filter_map(of);
+    if coarser.is_empty() { Vec::new() } else { classes().collect() }
+}
+
 /// What the run is.
 pub(super) fn header(
     run: &Run,
     scene: &Scene,
-    factory: &PulseFactory,
+    (factory, coarser): (&PulseFactory, &[PulseFactory]),
     schedule: &Schedule,
     changes: Option<&Arc<Changes>>,
 ) -> Header {
@@ -100,6 +109,7 @@ pub(super) fn header(
             emitters: (radar.emitters.iter().zip(factory.emitted()))
                 .map(|(emitter, signal)| EmitterRow::of(emitter, scene, signal))
                 .collect(),
+            error_classes_db: error_classes_db(factory, coarser),
             ..Instrument::of(scene)
         }),
         platforms: scene.platforms.clone(),
@@ -223,7 +233,7 @@ pub(super) fn placed(
     }
     let pulses = summary.health.pulses;
     let short = summary.health.sinks.iter().find(|sink| sink.lossless && !sink.failed && sink.dropped > 0);
-    if let (true, false, Some(sink)) = (result.is_ok(), policy == Policy::Drop, short) {
+    if let (true, false, Some(sink)) = (result.is_ok(), policy.drops(), short) {
         result = Err(RunError::Missed { name: sink.name.clone(), missed: sink.dropped, pulses });
     }
     Outcome { summary, reports, failed, result }

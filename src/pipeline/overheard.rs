@@ -46,6 +46,7 @@ const LONGEST_S: f64 = 0.1;
 const FINER_DB: f64 = 6.0;
 
 /// An emitter whose paths are known, before anything is planned.
+#[derive(Clone)]
 pub(crate) struct Emitting {
     name: String,
     scene: Scene,

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use num_complex::Complex32;
 
 use super::packet::{Malformed, Words};
+use crate::pulse::flags::MOST_CLASS;
 use crate::recording::instrument::{
     AntennaRow, EmitterRow, FilterRow, GateRow, Instrument, Look, WaveformRow,
 };
@@ -29,6 +30,8 @@ pub struct SignalDescription {
     pub middle_m: [f64; 2],
     /// What the window follows.
     pub window: Aimed,
+    /// Error of each class of pulses, dB; empty where there is one.
+    pub error_classes_db: Vec<f64>,
 }
 
 /// A place to look at: its kind, the number of a platform, six numbers.
@@ -107,7 +110,18 @@ pub(super) fn signal(words: &mut Words<'_>) -> Result<SignalDescription, Malform
         window: aimed(words)?,
         waveform: WaveformRow { kind: words.text()?, sweep_hz_per_s, rate_hz },
         filter: FilterRow { kind: words.text()?, flat_hz, zero_hz },
+        error_classes_db: if words.is_empty() { Vec::new() } else { error_classes_db(words)? },
     })
+}
+
+/// An addition: the error of each class of pulses.
+fn error_classes_db(words: &mut Words<'_>) -> Result<Vec<f64>, Malformed> {
+    let count = words.u32()?;
+    words.u32()?;
+    if count > MOST_CLASS + 1 {
+        return Err(Malformed::Value("so many error classes"));
+    }
+    (0..count).map(|_| Ok(finite::<1>(words)?[0])).collect()
 }
 
 pub(super) fn replica(mut words: Words<'_>) -> Result<ReplicaPiece, Malformed> {
@@ -374,6 +388,7 @@ impl Radar {
             middle_m: signal.middle_m,
             emitters: emitters.collect::<Option<_>>()?,
             antennas,
+            error_classes_db: signal.error_classes_db.clone(),
         };
         Some(Some((instrument, self.pieces.values().flatten().copied().collect())))
     }

@@ -424,6 +424,11 @@ impl Header {
         .find_map(|(field, same)| (!same).then_some(field))
     }
 
+    /// Error of each class of pulses, dB; empty where there is one class.
+    pub fn error_classes_db(&self) -> &[f64] {
+        self.instrument.as_ref().map_or(&[], |instrument| &instrument.error_classes_db)
+    }
+
     /// What radiates besides the radar.
     pub fn emitters(&self) -> &[EmitterRow] {
         self.instrument.as_ref().map_or(&[], |instrument| &instrument.emitters)

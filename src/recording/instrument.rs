@@ -46,6 +46,10 @@ pub struct Instrument {
     /// What radiates besides; recordings without any do not mention it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub emitters: Vec<EmitterRow>,
+    /// Error that pulses of each class keep against the reference, dB (`flags::ERROR_CLASS` of a pulse); empty
+    /// where all are of one class.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub error_classes_db: Vec<f64>,
 }
 
 /// The transmitted baseband pulse, apart from its bandwidth and length.
@@ -376,6 +380,7 @@ impl Instrument {
                 .chain(radar.receivers.iter().map(|end| AntennaRow::of_receiver(end, platforms)))
                 .collect(),
             emitters: Vec::new(),
+            error_classes_db: Vec::new(),
         }
     }
 

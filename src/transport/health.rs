@@ -39,8 +39,13 @@ pub struct Health {
     lateness: Durations,
     navigation: Durations,
     lateness_buckets: [AtomicU64; LATENESS_BOUNDS_NS.len() + 1],
+    /// Releases by error class.
+    classes: [AtomicU64; CLASSES],
     sinks: Vec<Arc<SinkHealth>>,
 }
+
+/// Error classes of pulses ([`flags::error_class`]).
+pub const CLASSES: usize = flags::MOST_CLASS as usize + 1;
 
 /// Counters of one sink.
 #[derive(Debug)]
@@ -143,8 +148,15 @@ pub struct Snapshot {
     pub made: u64,
     /// Time that generation was at work (not waiting for a free slot), seconds.
     pub generation_busy_s: f64,
+    /// Pulses released by error class, up to the coarsest that any has.
+    #[serde(skip_serializing_if = "of_one_class")]
+    pub by_class: Vec<u64>,
     /// The sinks.
     pub sinks: Vec<SinkSnapshot>,
+}
+
+fn of_one_class(by_class: &[u64]) -> bool {
+    by_class.len() <= 1
 }
 
 /// Upper bounds of the buckets of lateness, nanoseconds: 1, 2, 5 of every decade from 1 us to 10 s. One more
@@ -180,6 +192,8 @@ pub struct Counters {
     pub extrapolated: u64,
     /// Those of them for which it was stale.
     pub stale: u64,
+    /// Pulses released by error class.
+    pub by_class: [u64; CLASSES],
     /// Releases by lateness, see [`LATENESS_BOUNDS_NS`]; none at pace `fast`.
     pub lateness: [u64; LATENESS_BOUNDS_NS.len() + 1],
     /// Sum of lateness, seconds.
@@ -229,6 +243,7 @@ impl Health {
             lateness: Durations::new(),
             navigation: Durations::new(),
             lateness_buckets: [const { AtomicU64::new(0) }; LATENESS_BOUNDS_NS.len() + 1],
+            classes: [const { AtomicU64::new(0) }; CLASSES],
             sinks,
         }
     }
@@ -250,8 +265,9 @@ impl Health {
         self.held_up.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Counts what navigation a released pulse rests on.
-    pub(crate) fn navigated(&self, pulse: &Pulse) {
+    /// Counts the error class of a pulse, and what navigation it rests on.
+    pub(crate) fn passed(&self, pulse: &Pulse) {
+        self.classes[flags::error_class(pulse.flags)].fetch_add(1, Ordering::Relaxed);
         let set = |bit| u64::from(pulse.flags & bit != 0);
         self.extrapolated.fetch_add(set(flags::NAV_EXTRAPOLATED), Ordering::Relaxed);
         self.stale.fetch_add(set(flags::NAV_STALE), Ordering::Relaxed);
@@ -328,6 +344,7 @@ impl Health {
             generation_busy_s: read(&self.busy_ns) as f64 * 1e-9,
             extrapolated: read(&self.extrapolated),
             stale: read(&self.stale),
+            by_class: self.classes.each_ref().map(read),
             lateness: std::array::from_fn(|bucket| read(&self.lateness_buckets[bucket])),
             lateness_sum_s: self.lateness.sum_s(),
             ring_slots: self.ring_slots,
@@ -355,6 +372,8 @@ impl Health {
             p99: measured.quantile_ns(0.99) * 1e-6,
             max: measured.most_ns * 1e-6,
         });
+        let has_some = |of: &AtomicU64| of.load(Ordering::Relaxed) > 0;
+        let coarsest = self.classes.iter().rposition(has_some).map_or(0, |place| place + 1);
         let granted: Vec<Right> = self.rights.iter().filter_map(OnceLock::get).cloned().collect();
         let low = self.ring_low_water.load(Ordering::Relaxed);
         let released = self.released_pulses();
@@ -377,6 +396,7 @@ impl Health {
             rights: granted,
             made: self.made_pulses(),
             generation_busy_s: self.busy_ns.load(Ordering::Relaxed) as f64 * 1e-9,
+            by_class: self.classes[..coarsest].iter().map(|of| of.load(Ordering::Relaxed)).collect(),
             sinks,
         }
     }

@@ -139,6 +139,15 @@ pub enum Policy {
     Slip,
     /// Keep real time: missing pulse indices are counted.
     Drop,
+    /// Keep real time by making pulses at coarser errors; the same as `Drop` where the coarsest is too slow.
+    Relax,
+}
+
+impl Policy {
+    /// Whether what is overdue is left out instead of waited for.
+    pub(crate) fn drops(self) -> bool {
+        matches!(self, Self::Drop | Self::Relax)
+    }
 }
 
 #[cfg(test)]

@@ -202,7 +202,7 @@ impl Pacer {
             if index < expected {
                 return Err(PacerError::Order { index, expected });
             }
-            if too_late && self.settings.policy == Policy::Drop {
+            if too_late && self.settings.policy.drops() {
                 // Counted as part of the gap before the next pulse that is released.
                 self.ring.give_back(pulse);
                 continue;
@@ -232,7 +232,7 @@ impl Pacer {
                 pulse.flags |= flags::LATE;
             }
             expected = index + 1;
-            self.health.navigated(&pulse);
+            self.health.passed(&pulse);
             let Some(free) = self.fan_out.send(pulse) else {
                 cut_short = true;
                 break;
@@ -280,7 +280,7 @@ impl Pacer {
         let awake = Instant::now();
         self.look_for_standstill(judge, index, due.max(asked), awake);
         let overdue = awake.saturating_duration_since(deadline);
-        if policy == Policy::Drop && overdue > STALE {
+        if policy.drops() && overdue > STALE {
             self.skip_to_now(judge, awake);
             return Some(Awaited::Stale);
         }
@@ -291,7 +291,7 @@ impl Pacer {
         }
         let patience = match policy {
             Policy::Slip => Some(Schedule::after(awake, Duration::MAX)),
-            Policy::Stop | Policy::Drop => {
+            Policy::Stop | Policy::Drop | Policy::Relax => {
                 (overdue > pri).then(|| Schedule::after(deadline, judge.allowance(&self.schedule, index)))
             }
         };
@@ -350,7 +350,7 @@ impl Pacer {
                 match self.settings.policy {
                     Policy::Stop => return Err(self.underrun(judge, now, expected)),
                     Policy::Slip => {}
-                    Policy::Drop => self.skip_to_now(judge, now),
+                    Policy::Drop | Policy::Relax => self.skip_to_now(judge, now),
                 }
             }
             let nap = self.until_next_poll(judge, now, expected);

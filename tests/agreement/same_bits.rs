@@ -37,3 +37,28 @@ fn a_plan_depends_on_its_scene_alone() {
     assert_eq!(plan(3, 0..70), whole);
     assert_eq!(plan(2, 20..30), whole);
 }
+
+/// Whatever made it coarser: a pulse of policy `relax` is the pulse of a run that asks for that error.
+#[test]
+fn a_class_has_the_bits_of_its_error() {
+    let path = "tests/data/scenarios/boat.toml";
+    let relaxed = [
+        ("stream.policy", "relax"),
+        ("stream.pace", "realtime"),
+        ("fidelity.error_db", "-70"),
+        ("stream.relax_db", "[-50, -25]"),
+    ];
+    let stream = build::stream(&runs::scene(path, &relaxed), 0..70).unwrap();
+    let classes_db = stream.header().error_classes_db().to_vec();
+    assert_eq!((classes_db.len(), classes_db[0]), (stream.classes().count(), -70.0), "{classes_db:?}");
+    assert!(classes_db.len() > 1 && classes_db.is_sorted(), "{classes_db:?}");
+    for class in stream.classes() {
+        let error_db = class.plan().unwrap().asked.error_db.to_string();
+        let alone = runs::pulses(path, &[("fidelity.error_db", &error_db)], "1", 0..70);
+        let (mut worker, mut slot) = (class.worker(), class.slot());
+        for (index, alone) in (0..).zip(&alone) {
+            worker.make(index, &mut slot).unwrap();
+            assert!(slot.samples == alone.samples, "pulse {index} at {error_db} dB");
+        }
+    }
+}

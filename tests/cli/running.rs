@@ -449,3 +449,29 @@ fn the_library_example_runs() {
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     assert!(text.lines().count() == 11 && text.contains("200 pulses, "), "{text}");
 }
+
+/// Classes are priced before the start, and every pulse is counted in one.
+#[test]
+fn a_run_may_relax_its_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let quickstart = package().join("configs/quickstart.toml").display().to_string();
+    let relax = ["--set", "stream.policy=relax"];
+    let ended = nereus(folder.path(), &[&["check", &quickstart, "--json"][..], &relax].concat());
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let forecast = &json(&ended.stdout)["forecast"];
+    let classes = forecast["coarser"].as_array().unwrap();
+    assert!(!classes.is_empty(), "{forecast}");
+    let mut slower = forecast["real_time_factor"].as_f64().unwrap();
+    for class in classes {
+        let [error_db, factor] = ["error_db", "real_time_factor"].map(|key| class[key].as_f64().unwrap());
+        assert!(error_db > -60.0 && factor > slower, "{forecast}");
+        slower = factor;
+    }
+    let run = ["run", &quickstart, "--pulses", "0..100", "--out", "x.plain", "--json"];
+    let ended = nereus(folder.path(), &[&run[..], &relax].concat());
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let summary = json(&ended.stdout);
+    let [released, dropped] = ["pulses", "dropped"].map(|key| summary[key].as_u64().unwrap());
+    assert_eq!(released + dropped, 100, "{summary}");
+    assert!(ended.stderr.contains("at -60 dB"), "{}", ended.stderr);
+}

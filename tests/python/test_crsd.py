@@ -171,6 +171,7 @@ def compare(h5, path):
         tx_id = xml.findtext(f"{{*}}Channel/{{*}}Parameters[{{*}}Identifier='{name}']/{{*}}SARImage/{{*}}TxId")
         ppp = reader.read_ppps(tx_id)
         assert np.array_equal(ppp["PulseNumber"], h5["pulse/index"][:n][used]), name
+        assert np.array_equal(ppp["Flags"], h5["pulse/flags"][:n][used]), name
         assert np.array_equal(pvp["TxPulseIndex"], np.arange(len(used))), name
         # Samples, bit by bit.
         iq = h5["iq"][:n][used, place]

@@ -63,6 +63,7 @@ pub fn rows(run: &Run) -> Vec<Described> {
                 Policy::Stop => "ends when generation cannot keep up",
                 Policy::Slip => "slips when generation cannot keep up",
                 Policy::Drop => "drops pulses when generation cannot keep up",
+                Policy::Relax => "relaxes the error when generation cannot keep up",
             };
             format!("real time, {} ms after the emission, {policy}", neat(run.stream.latency_s * 1e3))
         }

@@ -1,6 +1,7 @@
 //! How echoes are made, released and kept.
 
 use super::*;
+use crate::pulse::flags::MOST_CLASS;
 
 tables! {
     fidelity "[fidelity]" "Speed against accuracy." {
@@ -16,8 +17,9 @@ tables! {
     }
     stream "[stream]" "How pulses are released." {
         PACE "pace", Choice(words::<Pace>), Word("realtime"), "At their emission times plus the latency, or as soon as they are made.";
-        POLICY "policy", Choice(words::<Policy>), Word("stop"), "When pulses are overdue, because generation cannot keep up or the machine stood still: end with an error, stretch time, or drop pulses (docs/running.md).";
-        LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), Means("500; with live navigation what its interpolation needs at the rate of its fixes, at least 500"), "Release minus emission time: how far ahead pulses are made.";
+        POLICY "policy", Choice(words::<Policy>), Word("stop"), "When pulses are overdue, because generation cannot keep up or the machine stood still: end with an error, stretch time, drop pulses, or make the next ones at a coarser error (docs/running.md).";
+        RELAX_DB "relax_db", Kind::Numbers { unit: "dB", least: 1, most: MOST_CLASS as usize, min: -120.0, max: -20.0 }, Means("15 and 30 above fidelity.error_db, as far as -20"), "relax: errors at which pulses may be made while generation falls behind, from fine to coarse, all above fidelity.error_db.";
+        LATENCY_MS "latency_ms", number("ms", 1.0, 60_000.0), Means("500; with live navigation what its interpolation needs at the rate of its fixes, at least 500; with policy relax twice what is made at once, at least 500"), "Release minus emission time: how far ahead pulses are made.";
         PACER_PRIORITY "pacer_priority", Choice(words::<PacerAhead>), Word("realtime"), "Whether the thread that releases pulses runs at real-time priority (SCHED_FIFO), where the system allows that and there are at most 1000 pulses/s; `nereus run` reports it, or why not.";
         PACER_CORE "pacer_core", count(0, 1023), Means("any"), "The core on which the thread that releases pulses asks to stay.";
         LOCK_MEMORY "lock_memory", Kind::Flag, Absent::Flag(false), "Whether the stream asks the system that its memory is never moved out (mlockall).";

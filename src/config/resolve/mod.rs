@@ -53,6 +53,7 @@ pub(super) struct Parts {
     pub(super) events: Vec<Event>,
     pub(super) fidelity: Fidelity,
     pub(super) stream: transport::Settings,
+    pub(super) relax_db: Vec<f64>,
     pub(super) monitor: Option<String>,
     pub(super) sinks: Vec<sinks::Settings>,
 }
@@ -282,14 +283,14 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
     let ships = ship::ships(&root, &ground, start);
     let targets = target::targets(&root, &ground);
     plausible::targets(&root, &ground, targets.as_deref(), time.duration_s);
+    let fidelity = stream::fidelity(&root);
     let stream = stream::stream(
         &root,
         radar.as_ref(),
-        platforms.names.len(),
-        targets.as_ref().map_or(0, Vec::len),
+        (platforms.names.len(), targets.as_ref().map_or(0, Vec::len)),
         sources.live,
+        fidelity.as_ref(),
     );
-    let fidelity = stream::fidelity(&root);
     let target_count = targets.as_ref().map_or(0, Vec::len);
     let known = calibration.as_ref().map_or(0, Vec::len);
     let sinks = stream::sinks(&root, radar.as_ref(), &ground, &platforms, target_count, known);
@@ -308,7 +309,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         ships: ships?,
         targets: targets?,
     };
-    let (stream, monitor) = stream?;
+    let (stream, relax_db, monitor) = stream?;
     Some(Parts {
         scene,
         start_live: time.word == Some(Begin::Live),
@@ -319,6 +320,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         events: events?,
         fidelity: fidelity?,
         stream,
+        relax_db,
         monitor,
         sinks: sinks?,
     })

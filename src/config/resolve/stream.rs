@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::{Ground, Names, nav_out};
 use crate::config::choices::{EchoKind, PacerAhead, SinkKind};
 use crate::config::error::{Problem, Warning};
-use crate::config::keys;
+use crate::config::keys::{self, Kind, figure};
 use crate::config::section::Section;
 use crate::echo::{Asked, Fidelity};
 use crate::scene::Radar;
@@ -15,6 +15,8 @@ use crate::transport::{self, Pace, Policy};
 
 /// Memory of the ring between generation and release.
 const RING_BYTES: u64 = 512 << 20;
+/// Rungs above the error that is asked, where none are written, dB.
+const RUNGS_DB: [f64; 2] = [15.0, 30.0];
 /// Memory of a sink's queue.
 const QUEUE_BYTES: u64 = 256 << 20;
 /// Fewest and most slots of the ring: two blocks of pulses, and what one second at 65 kHz takes.
@@ -36,10 +38,10 @@ fn slot_bytes(radar: &Radar, platforms: usize, targets: usize) -> u64 {
 pub(super) fn stream(
     root: &Section<'_>,
     radar: Option<&Radar>,
-    platforms: usize,
-    targets: usize,
+    (platforms, targets): (usize, usize),
     live: bool,
-) -> Option<(transport::Settings, Option<String>)> {
+    fidelity: Option<&Fidelity>,
+) -> Option<(transport::Settings, Vec<f64>, Option<String>)> {
     use keys::stream::{LATENCY_MS, LOCK_MEMORY, MONITOR, PACE, PACER_CORE, PACER_PRIORITY, POLICY, THREADS};
     let section = root.section_or_empty(&keys::root::STREAM)?;
     let pace = section.choice(&PACE);
@@ -50,9 +52,13 @@ pub(super) fn stream(
             section.fault(&PACE, Problem::Live { found: "\"fast\"", place, allowed: "\"realtime\"" });
         }
         if policy == Some(Policy::Slip) {
-            section.fault(&POLICY, Problem::Live { found: "\"slip\"", place, allowed: "\"stop\", \"drop\"" });
+            section.fault(
+                &POLICY,
+                Problem::Live { found: "\"slip\"", place, allowed: "\"stop\", \"drop\", \"relax\"" },
+            );
         }
     }
+    let relax_db = relax_db(&section, policy, fidelity);
     let latency_given = section.has(&LATENCY_MS);
     let asked_ms = section.number(&LATENCY_MS);
     let latency_ms = if latency_given { asked_ms } else { Some(transport::DEFAULT_LATENCY_S * 1e3) };
@@ -88,7 +94,40 @@ pub(super) fn stream(
         pacer_core: pacer_core?,
         lock_memory: lock_memory?,
     };
-    Some((settings, monitor))
+    Some((settings, relax_db?, monitor))
+}
+
+/// Errors of the rungs below the one that is asked, dB.
+fn relax_db(section: &Section<'_>, policy: Option<Policy>, fidelity: Option<&Fidelity>) -> Option<Vec<f64>> {
+    use keys::fidelity::ERROR_DB;
+    use keys::stream::{POLICY, RELAX_DB};
+    let written = section.numbers(&RELAX_DB);
+    let is_written = section.has(&RELAX_DB);
+    if policy != Some(Policy::Relax) {
+        if is_written && policy.is_some() {
+            section.fault(&RELAX_DB, Problem::Idle { when: "policy is not \"relax\"".to_owned() });
+        }
+        return Some(Vec::new());
+    }
+    let Fidelity::Fast(Asked { error_db, .. }) = fidelity? else {
+        let (place, allowed) = ("beside fidelity.echo = \"reference\"", "\"stop\", \"slip\", \"drop\"");
+        section.fault(&POLICY, Problem::Live { found: "\"relax\"", place, allowed });
+        return None;
+    };
+    let Kind::Number { max, .. } = ERROR_DB.kind else { return None };
+    if !is_written {
+        return Some(RUNGS_DB.map(|above| error_db + above).into_iter().filter(|db| *db <= max).collect());
+    }
+    let written = written?;
+    let finer = std::iter::once(error_db).chain(&written);
+    if let Some((place, finer)) = finer.enumerate().take(written.len()).find(|(n, db)| written[*n] <= **db) {
+        let [found, finer] = [written[place], *finer].map(figure);
+        let (found, allowed) =
+            (format!("entry {place}, {found},"), format!("above {finer} dB, the one before"));
+        section.fault(&RELAX_DB, Problem::Range { found, allowed });
+        return None;
+    }
+    Some(written)
 }
 
 /// `[fidelity]`.

@@ -141,7 +141,7 @@ fn faults_of_live_navigation_are_reported_together() {
     platform.1.errors.recorded: "reported" is not allowed beside live navigation; allowed: "truth"
     platform.1.turbulence: not allowed here (the track is live: its air is real)
     stream.pace: "fast" is not allowed beside live navigation; allowed: "realtime"
-    stream.policy: "slip" is not allowed beside live navigation; allowed: "stop", "drop"
+    stream.policy: "slip" is not allowed beside live navigation; allowed: "stop", "drop", "relax"
     "#);
     // In a scene that is not georeferenced.
     let plain = faults_of(&[("platform.1.track", "{ kind = 'live', source = '' }")]);

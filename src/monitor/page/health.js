@@ -61,6 +61,7 @@ export function report(model) {
   const notes = [];
   if (status.monitor.not_shown) notes.push(`${whole(status.monitor.not_shown)} pulses not shown here: the monitor took none of the stream's time for them`);
   if (status.extrapolated) notes.push(`navigation extrapolated for ${whole(status.extrapolated)} pulses, stale for ${whole(status.stale)}`);
+  if (status.by_class?.length) notes.push(`now at ${digits(status.error_db)} dB; ${status.by_class.map((of) => `${whole(of.pulses)} pulses at ${digits(of.error_db)} dB`).join(", ")}`);
   if (status.slipped_s > 0) notes.push(`schedule moved by ${span(status.slipped_s)}`);
   id("not-shown").textContent = notes.join("; ");
   banner("losses", status.losses.map(lost));
@@ -165,5 +166,6 @@ export function table({ status }) {
     ["ring_filled", "", status.ring.filled], ["ring_slots", "", status.ring.slots],
     ...status.sinks.flatMap((sink) => ["written", "dropped", "queue"].map((name) => [`sink_${name}`, sink.name, sink[name]])),
     ...status.navigation.map((of) => ["report_age_s", of.platform, of.report_age_s]),
+    ...(status.by_class ?? []).map((of) => ["released_at_error_db", of.error_db, of.pulses]),
     ...pulses.map((count, bucket) => ["released_within_ns", bounds[bucket] ?? "more", count])]);
 }

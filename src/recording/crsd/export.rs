@@ -152,6 +152,9 @@ impl Table<'_> {
         let Rows::U8(tx_pol) = self.rows("pulse/tx_pol", range.clone())? else {
             return Err(self.missing("pulse/tx_pol"));
         };
+        let Rows::U32(flags) = self.rows("pulse/flags", range.clone())? else {
+            return Err(self.missing("pulse/flags"));
+        };
         let parts_ns = self.reals::<1>("pulse/time_frac_ns", range.clone())?;
         let windows = self.windows(range.clone())?;
         let mut rows: Vec<PulseRow> = Vec::with_capacity(range.len());
@@ -169,6 +172,7 @@ impl Table<'_> {
                 time,
                 window_start_s,
                 tx_pol: tx_pol[place],
+                flags: flags[place],
                 antennas: Vec::with_capacity(self.description.ends.len()),
             });
         }

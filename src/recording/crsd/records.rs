@@ -24,7 +24,7 @@ const XYZ: &str = "X=F8;Y=F8;Z=F8;";
 const EB: &str = "DCX=F8;DCY=F8;";
 
 /// Parameters of a pulse; the last ones are added to those of the standard.
-pub(super) const PPP: [Field; 16] = [
+pub(super) const PPP: [Field; 17] = [
     ("TxTime", INT_FRAC, 2),
     ("TxPos", XYZ, 3),
     ("TxVel", XYZ, 3),
@@ -41,6 +41,7 @@ pub(super) const PPP: [Field; 16] = [
     ("FxResponseIndex", I8, 1),
     ("TimeOffset", F8, 1),
     ("PulseNumber", I8, 1),
+    ("Flags", I8, 1),
 ];
 
 /// Parameters of a vector; the last one is added to those of the standard.
@@ -65,7 +66,7 @@ pub(super) const PVP: [Field; 17] = [
 ];
 
 /// Parameters beyond those of the standard.
-pub(super) const ADDED: [&str; 2] = ["TimeOffset", "PulseNumber"];
+pub(super) const ADDED: [&str; 3] = ["TimeOffset", "PulseNumber", "Flags"];
 
 /// Bytes of a record.
 pub(super) fn bytes(fields: &[Field]) -> usize {
@@ -182,7 +183,7 @@ mod tests {
     #[test]
     fn records_have_the_bytes_that_were_tried() {
         // 200 and 216 bytes of the standard's own parameters, and what is added.
-        assert_eq!((bytes(&PPP), bytes(&PVP)), (200 + 16, 216 + 8));
+        assert_eq!((bytes(&PPP), bytes(&PVP)), (200 + 24, 216 + 8));
     }
 
     #[test]

@@ -38,6 +38,7 @@ pub(super) struct PulseRow {
     pub time: TimeTag,
     pub window_start_s: f64,
     pub tx_pol: u8,
+    pub flags: u32,
     /// Antennas in the order of [`Description::ends`].
     pub antennas: Vec<AntennaRow>,
 }
@@ -96,6 +97,7 @@ impl PulseRow {
             time: recorded_time(ns, part_ns),
             window_start_s: pulse.window_start_of(description.receiver()),
             tx_pol: pulse.tx_pol,
+            flags: pulse.flags,
             antennas: description.ends.iter().map(antenna).collect::<Option<_>>()?,
         })
     }

@@ -148,7 +148,8 @@ impl Writer {
             if description.is_in(row.tx_pol, place) {
                 let state = state(&description, rows, at, sequence.end, middle_s)?;
                 let emission = row.time.plus(middle_s).plus(shift_s);
-                let record = description.pulse_record(sequence, &state, emission, shift_s, row.index);
+                let record =
+                    description.pulse_record(sequence, &state, emission, shift_s, (row.index, row.flags));
                 self.append(place, row.index, |buffer| buffer.extend(record.0))?;
             }
         }
@@ -412,7 +413,7 @@ impl Description {
         state: &State,
         emission: TimeTag,
         shift_s: f64,
-        index: u64,
+        (index, flags): (u64, u32),
     ) -> Record {
         let header = &self.header;
         let mut record = Record::default();
@@ -429,7 +430,8 @@ impl Description {
             .axes(state)
             .whole(0)
             .real(0.0 - shift_s)
-            .whole(index as i64);
+            .whole(index as i64)
+            .whole(flags.into());
         record
     }
 

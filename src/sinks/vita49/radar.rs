@@ -86,13 +86,19 @@ pub(super) fn signal<'a>(
     at: Stamp,
 ) -> &'a [u8] {
     let Instrument { waveform, filter, earth_radius_factor, window, continuous, middle_m, .. } = instrument;
+    let error_classes_db = &instrument.error_classes_db[..];
     datagram
         .begin(Type::Extension(SIGNAL), SIGNAL_STREAM, count, at)
         .f64s(&[number(&waveform.sweep_hz_per_s), number(&waveform.rate_hz)])
         .f64s(&[filter.flat_hz, filter.zero_hz, number(earth_radius_factor)])
         .f64s(middle_m);
     let of_none = if *continuous { CONTINUOUS } else { 0 };
-    looks(datagram, (window.as_ref(), of_none), header).text(&waveform.kind).text(&filter.kind).end()
+    let packet = looks(datagram, (window.as_ref(), of_none), header).text(&waveform.kind).text(&filter.kind);
+    // An addition: the error of each class of pulses.
+    if !error_classes_db.is_empty() {
+        packet.u32(error_classes_db.len() as u32).u32(0).f64s(error_classes_db);
+    }
+    packet.end()
 }
 
 /// The samples of the replica from `first`, as many as a piece has.
@@ -184,7 +190,9 @@ fn emitter_bytes(row: &EmitterRow) -> usize {
 
 /// Bytes of the longest of these descriptions.
 pub(super) fn longest(instrument: &Instrument) -> usize {
-    let signal = 112 + text_bytes(&instrument.waveform.kind) + text_bytes(&instrument.filter.kind);
+    let classes =
+        if instrument.error_classes_db.is_empty() { 0 } else { 8 + 8 * instrument.error_classes_db.len() };
+    let signal = 112 + classes + text_bytes(&instrument.waveform.kind) + text_bytes(&instrument.filter.kind);
     let antennas = &instrument.antennas;
     let antenna = antennas.iter().map(|row| {
         let window = if row.window.is_some() { 72 } else { 0 };
