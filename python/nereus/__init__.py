@@ -41,6 +41,7 @@ __all__ = [
     "Antenna",
     "ArrayError",
     "Flag",
+    "error_class",
     "Image",
     "InputError",
     "InternalError",
@@ -87,6 +88,11 @@ class Flag(IntFlag):
     NAV_EXTRAPOLATED = 16
     NAV_STALE = 32
     REPORT_DROPOUT = 64
+
+
+def error_class(flags: Any) -> Any:
+    """Error class of pulses by their flags: 0 as asked, n as entry n of `error_classes_db` of the attribute `instrument`."""
+    return (flags >> 8) & 7
 
 
 def open(path: Any, **options: Any) -> Any:

@@ -137,6 +137,7 @@ impl Replay {
                 counters.released += 1;
                 counters.late += u64::from(slot.flags & flags::LATE != 0);
                 counters.extrapolated += u64::from(slot.flags & flags::NAV_EXTRAPOLATED != 0);
+                counters.by_class[flags::error_class(slot.flags)] += 1;
                 counters.stale += u64::from(slot.flags & flags::NAV_STALE != 0);
                 counters.dropped += last.map_or(0, |last: u64| slot.index.saturating_sub(last + 1));
                 last = Some(slot.index);

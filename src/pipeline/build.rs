@@ -61,6 +61,9 @@ pub use super::tracks::{TrackNote, tracks};
 /// Bytes of samples for which a ring is made longer than its latency asks.
 const RING_BYTES: usize = 256 << 20;
 
+/// How often more than what is made at once lies in the ring of policy `relax`.
+const AHEAD: u64 = 4;
+
 /// A run that is ready to start.
 pub struct PulseStream {
     factory: PulseFactory,
@@ -295,11 +298,8 @@ fn built(
             .map(|changes| control(changes, range.end - range.start)),
         changes,
     };
-    // Twice as slow as real time, what is made at once is still made in time: so much is to be noticed.
-    let relaxed_s = 2.0 * stream.in_hand().batch_s;
-    let may_wait = run.stream.policy == Policy::Relax && !run.stream.latency_given;
-    if may_wait && stream.settings.latency_s < relaxed_s {
-        stream.wait_for(relaxed_s);
+    if run.stream.policy == Policy::Relax {
+        stream.make_ahead();
     }
     Ok(stream)
 }
@@ -316,6 +316,19 @@ impl PulseStream {
         let fit = RING_BYTES / self.factory.layout.slot_bytes().max(1);
         self.settings.latency_s = latency_s;
         self.settings.ring_slots = self.settings.ring_slots.max(wanted.min(fit));
+    }
+
+    /// Makes pulses so far ahead that a load is noticed before the first of them is late: twice as slow as real
+    /// time, what is made at once is in time, and a few of these lie in the ring.
+    fn make_ahead(&mut self) {
+        let enough_s = 2.0 * self.in_hand().batch_s;
+        if !self.settings.latency_given && self.settings.latency_s < enough_s {
+            self.wait_for(enough_s);
+        }
+        let more = usize::try_from(AHEAD * self.settings.batch_pulses).unwrap_or(usize::MAX);
+        let fit = RING_BYTES / self.factory.layout.slot_bytes().max(1);
+        let wanted = self.settings.ring_slots.saturating_add(more).min(fit);
+        self.settings.ring_slots = self.settings.ring_slots.max(wanted);
     }
 
     /// Release of a pulse minus its emission, s.

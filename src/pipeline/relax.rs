@@ -39,12 +39,14 @@ fn model_s(factory: &PulseFactory) -> f64 {
     factory.plan().map_or(0.0, |plan| CostTable::TABLE.seconds(&plan.work))
 }
 
-/// Those of ever coarser factories that take less time than the one before.
+/// Those of ever coarser factories that take less time than the one before, and, where reception is continuous,
+/// whose noise goes on from one to the other.
 pub(super) fn worth_having(asked: &PulseFactory, coarser: Vec<PulseFactory>) -> Vec<PulseFactory> {
     let mut least_s = model_s(asked);
     let cheaper = |factory: &PulseFactory| {
         let seconds = model_s(factory);
-        let is_cheaper = seconds < LEAST_GAIN * least_s;
+        let goes_on = !factory.is_continuous() || factory.fft_len() == asked.fft_len();
+        let is_cheaper = goes_on && seconds < LEAST_GAIN * least_s;
         least_s = if is_cheaper { seconds } else { least_s };
         is_cheaper
     };

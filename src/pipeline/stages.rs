@@ -162,6 +162,16 @@ impl PulseFactory {
         self.flown.get().unwrap_or(&self.generator)
     }
 
+    /// Bins of the spectrum of a channel, on which its noise is drawn.
+    pub(crate) fn fft_len(&self) -> usize {
+        self.echo.fft_len()
+    }
+
+    /// Whether pulses are blocks of continuous reception.
+    pub(crate) fn is_continuous(&self) -> bool {
+        self.reception.receiver.is_continuous()
+    }
+
     /// Makes the next pulses on other tracks, in the order of the platforms, where it was prepared on a
     /// nominal trajectory. That can be done once.
     pub(crate) fn fly(&self, tracks: Vec<PlatformTracks>) {

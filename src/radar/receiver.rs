@@ -127,6 +127,11 @@ impl Receiver {
         self.transform.len()
     }
 
+    /// Whether it receives without a gap.
+    pub fn is_continuous(&self) -> bool {
+        self.unbroken.is_some()
+    }
+
     /// Samples of a spectrum, in its place.
     pub(super) fn inverse(&self, bins: &mut [Complex64], scratch: &mut ReceiverScratch) {
         let scale = self.sample_rate_hz / self.transform.len() as f64;

@@ -100,7 +100,7 @@ pub static DESCRIPTIONS: [Description; 35] = [
         Each(Element::F64, |pulse, _| Values::Reals(&pulse.receiver_window_start_s))),
     row("pulse/flags", [PULSE, "bits", NONE,
         "1 late, 2 after a gap, 4 ADC saturated, 8 echo of a target or direct path outside the window, \
-         16 true motion extrapolated, 32 navigation stale, 64 report dropped out"],
+         16 true motion extrapolated, 32 navigation stale, 64 report dropped out; bits 8 to 10: error class (0: as asked)"],
         Each(Element::U32, |pulse, _| Values::U32(pulse.flags))),
     row("pulse/tx_pol", [PULSE, "code", NONE,
         "what was radiated: 0 all ports at once, 1 H, 2 V, 3 right circular, 4 left circular"],

@@ -521,6 +521,10 @@ impl Block {
 
 /// Flags of a pulse in words.
 fn marks(of: u32) -> String {
+    let class = match flags::error_class(of) {
+        0 => String::new(),
+        class => format!("; error class {class}"),
+    };
     [
         (flags::LATE, "late"),
         (flags::AFTER_GAP, "after a gap"),
@@ -532,7 +536,7 @@ fn marks(of: u32) -> String {
     ]
     .into_iter()
     .filter(|(flag, _)| of & flag != 0)
-    .fold(String::new(), |text, (_, mark)| format!("{text}; {mark}"))
+    .fold(class, |text, (_, mark)| format!("{text}; {mark}"))
 }
 
 /// UTC of nanoseconds since 1970, by ISO 8601.

@@ -22,6 +22,8 @@ const OVERLAP: u64 = 0x0E1A;
 const ENDS: u64 = 0xE4D5;
 /// And those of emitters beside.
 const EMITTERS: u64 = 0x0E17;
+/// And those of errors between blocks and exact pulses.
+const FINE: u64 = 0xF1E;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
@@ -197,6 +199,8 @@ pub fn random_scene(seed: u64) -> RandomScene {
     let mut signal = Signal::drawn(&mut draw, &geometry);
     overlap(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ OVERLAP)), &mut geometry, &mut signal);
     let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
+    let mut fine = Draw(ChaCha8Rng::seed_from_u64(seed ^ FINE));
+    let asked_db = if fine.chance(0.08) { fine.one(&[-90.0, -95.0]) } else { asked_db };
     let family = geometry.kind.name;
     let partner = if geometry.bistatic { format!(" and {}", geometry.partner.name) } else { String::new() };
     let mut text = format!("# Random scene {seed}: {family}{partner}.\n");

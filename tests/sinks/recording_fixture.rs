@@ -101,6 +101,7 @@ pub fn instrument() -> Instrument {
             },
         ],
         emitters: Vec::new(),
+        error_classes_db: vec![-60.0, -45.5, -30.0],
     }
 }
 
