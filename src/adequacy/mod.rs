@@ -36,6 +36,7 @@ pub use ships::{DENSITY_KGPM3, ShipOutlook, presence_word};
 use crate::frames::{Earth, Enu, Point, Vector};
 use crate::geometry::horizon;
 use crate::paths::snapshot::Snapshot;
+use crate::pipeline::build::PulseStream;
 use crate::pipeline::fault::BuildErrors;
 use crate::pipeline::prepared::{Moment, Prepared};
 use crate::pipeline::stages::PulseFactory;
@@ -114,6 +115,23 @@ pub fn edge_db(factory: &PulseFactory, schedule: &Schedule) -> Result<Option<f64
         [0, 1].map(|axis| snapshots.windows(2).any(|two| first(&two[0])[axis] != first(&two[1])[axis]));
     let edges = snapshots.iter().map(|snapshot| snapshot.edge_db(factory.channel_pairs(), moves));
     Ok(edges.reduce(f64::max))
+}
+
+/// The adequacy of the sea of a run that is built, the edge of a patch that follows included.
+///
+/// # Errors
+/// As of [`adequacy`], and a track that ends before the last pulse.
+pub fn adequacy_with_edge(stream: &PulseStream) -> Result<Option<Adequacy>, BuildErrors> {
+    let Some(mut sea) = adequacy(stream.prepared())? else { return Ok(None) };
+    sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;
+    let strong = sea.edge_db.filter(|edge| *edge > EDGE_BUDGET_DB);
+    sea.warnings.extend(strong.map(|edge_db| {
+        format!(
+            "facets entering and leaving the moving patch contribute at {edge_db:.0} dB of the sea echo; below {EDGE_BUDGET_DB} dB \
+             the edge is negligible: a larger patch or a shorter window helps"
+        )
+    }));
+    Ok(Some(sea))
 }
 
 /// The adequacy of a run's sea; `None` without one.

@@ -1,12 +1,13 @@
 //! Assesses a run without emitting a pulse: models, adequacy, settings, predicted speed and memory.
 
+use super::fit_trials::{Predicted, predicted};
 use super::plan::{PlanReport, echo_text, not_kept};
 use super::resources::Resources;
 use crate::adequacy::description::{Described, ECHO, LAND, Models, RAIN, described, models};
 use crate::adequacy::emitter_budget::{self, EmitterBudget, emitter_budgets};
 use crate::adequacy::link_budget::{LinkBudget, link_budget};
 use crate::adequacy::polarisation::polarisation;
-use crate::adequacy::{Adequacy, EDGE_BUDGET_DB, adequacy, edge_db, hidden_targets};
+use crate::adequacy::{Adequacy, adequacy_with_edge, hidden_targets};
 use crate::config::Run;
 use crate::fidelity::cost::CostTable;
 use crate::motion::PlatformNav;
@@ -37,6 +38,8 @@ pub struct Assessment {
     pub plan: Option<PlanReport>,
     /// What the run takes.
     pub resources: Option<Resources>,
+    /// Changes that are predicted to make it run in real time, where it does not.
+    pub remedies: Vec<Predicted>,
 }
 
 impl Assessment {
@@ -60,6 +63,7 @@ impl Assessment {
             emitters: Vec::new(),
             plan: None,
             resources: None,
+            remedies: Vec::new(),
         };
         let unknown = without_trajectory(run);
         if unknown.is_empty() {
@@ -84,17 +88,7 @@ impl Assessment {
         self.link = Some(link_budget(prepared)?);
         self.emitters = emitter_budgets(prepared)?;
         self.warnings.extend(emitter_budget::warnings(&self.emitters));
-        self.sea = adequacy(prepared)?;
-        if let Some(sea) = &mut self.sea {
-            sea.edge_db = edge_db(stream.factory(), stream.schedule()).map_err(BuildErrors::from)?;
-            let strong = sea.edge_db.filter(|edge| *edge > EDGE_BUDGET_DB);
-            sea.warnings.extend(strong.map(|edge_db| {
-                format!(
-                    "facets entering and leaving the moving patch contribute at {edge_db:.0} dB of the sea echo; below {EDGE_BUDGET_DB} dB \
-                     the edge is negligible: a larger patch or a shorter window helps"
-                )
-            }));
-        }
+        self.sea = adequacy_with_edge(&stream)?;
         self.warnings.extend(hidden_targets::warnings(&stream).map_err(BuildErrors::from)?);
         self.warnings.extend(self.sea.iter().flat_map(|sea| sea.warnings.iter().cloned()));
         self.warnings.extend(polarisation(prepared)?);
@@ -127,6 +121,7 @@ impl Assessment {
         if run.stream.pace == Pace::Realtime && (run.stream.latency_given || !is_live) {
             self.warnings.extend(short_latency(stream.in_hand(), resources.real_time_factor));
         }
+        self.remedies = predicted(run, &stream, resources.real_time_factor)?;
         self.resources = Some(resources);
         Ok(())
     }

@@ -62,7 +62,7 @@ impl PulseStream {
     /// Costs of this machine.
     fn cost_table(&self, plan: &Plan) -> Result<CostTable, BuildErrors> {
         let chosen = EchoSettings { node_pulses: (plan.chosen.node_pulses / 2).max(2), ..plan.chosen };
-        let interpolates = plan.work.0[10] == 0.0;
+        let interpolates = !plan.work.is_one_by_one();
         let other = if interpolates { self.factory().with_nodes(&chosen) } else { None };
         let (factory, work) = match &other {
             Some(other) => (other, plan.size.work(&chosen, true)),

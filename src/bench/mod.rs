@@ -9,6 +9,8 @@
 //! | [`cost`] | calibrated cost of one unit of work on this machine |
 //! | [`accuracy`] | error of the streamed echo against the reference |
 //! | [`settings`] | the settings that trade speed for accuracy |
+//! | [`fit`] | changes that make a run fit into real time, with what each costs |
+//! | [`fit_trials`] | which of these do so on this machine |
 //! | [`plan`] | what is planned for an error, in figures and in words |
 //! | [`clutter`] | statistics of the sea's echo over the azimuth of the wind |
 //! | [`clutter_files`] | these as CSV and as a picture |
@@ -21,6 +23,8 @@ pub mod assessment;
 pub mod clutter;
 pub mod clutter_files;
 pub mod cost;
+pub mod fit;
+pub mod fit_trials;
 pub mod gather;
 pub mod plan;
 pub mod resources;

@@ -178,6 +178,11 @@ impl PlanReport {
         }
     }
 
+    /// The error that is asked, dB.
+    pub fn error_db(&self) -> f64 {
+        self.error_db
+    }
+
     pub fn rows(&self) -> Vec<Described> {
         let parts = self.predicted_error_db.iter().filter_map(|(name, db)| Some((name, db.as_f64()?)));
         let name_of = |name: &str| if name == BY_DRY_RUN { "found by the dry run" } else { name }.to_owned();

@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 use super::bench::BenchArgs;
 use super::check::CheckArgs;
 use super::export::ExportArgs;
+use super::fit::FitArgs;
 use super::focus::FocusArgs;
 use super::merge::MergeArgs;
 use super::monitor::MonitorArgs;
@@ -36,6 +37,8 @@ pub enum Command {
     Run(RunArgs),
     /// Validate a scenario, explain it, predict what it takes
     Check(CheckArgs),
+    /// Find what makes a scenario run in real time on this machine: changes as `--set` words, each measured
+    Fit(FitArgs),
     /// Measure throughput, start-up time, memory, time per stage, and the error against the reference echo
     Bench(BenchArgs),
     /// Measure error and speed over the settings of the fast echo: table, CSV, picture

@@ -11,6 +11,7 @@ use super::{counted, warn};
 use crate::adequacy::description::{scenario, sea, ships};
 use crate::adequacy::{emitter_budget, link_budget};
 use crate::bench::assessment::Assessment;
+use crate::bench::fit_trials::Predicted;
 use crate::bench::plan::PlanReport;
 use crate::bench::resources::{ClassForecast, Resources};
 use crate::config::Run;
@@ -47,7 +48,8 @@ pub fn assess(run: &Run, warned: impl FnMut(&[String])) -> Result<Report, CliErr
 
 fn report(run: &Run, found: &Assessment) -> Report {
     let mut report = scenario_report(run);
-    let Assessment { models, warnings, tracks, sea, link, emitters, plan, resources: forecast } = found;
+    let Assessment { models, warnings, tracks, sea, link, emitters, plan, resources: forecast, remedies } =
+        found;
     let platforms = scenario::platforms(run);
     report.section("platforms", &platforms).value("platforms", &platforms);
     report.section("modelled", &models.with).value("modelled", &models.with);
@@ -59,6 +61,7 @@ fn report(run: &Run, found: &Assessment) -> Report {
     report.section("recorded tracks", tracks).value("tracks", tracks);
     if let Some(forecast) = forecast {
         add_forecast(&mut report, forecast);
+        add_real_time(&mut report, forecast, plan.as_ref(), remedies);
     }
     let rows = plan.as_ref().map(PlanReport::rows).unwrap_or_default();
     report.section("plan, predicted", &rows).value("plan", plan);
@@ -102,6 +105,25 @@ fn scenario_report(run: &Run) -> Report {
         .value("ring_mib", ring_mib)
         .value("memory_mib", ring_mib + queues_mib);
     report
+}
+
+/// Whether the run keeps up on this machine, and else what is predicted to make it.
+fn add_real_time(report: &mut Report, forecast: &Resources, plan: Option<&PlanReport>, more: &[Predicted]) {
+    let factor = digits(forecast.real_time_factor);
+    let at = plan.map(|plan| format!(" at {} dB", plan.error_db())).unwrap_or_default();
+    let fits = forecast.real_time_factor >= 1.0;
+    let with: Vec<String> = more.iter().map(ToString::to_string).collect();
+    let answer = match (fits, &with[..]) {
+        (true, _) => format!("yes{at} ({factor} times)"),
+        (false, []) => format!("no{at} ({factor} times); `nereus fit` looks for changes that help"),
+        (false, with) => {
+            format!(
+                "no{at} ({factor} times); predicted: yes {}; `nereus fit` measures changes",
+                with.join(", or ")
+            )
+        }
+    };
+    report.row("real time", answer).value("fits", fits).value("remedies", more);
 }
 
 fn add_forecast(report: &mut Report, forecast: &Resources) {

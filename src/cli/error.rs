@@ -161,6 +161,18 @@ macro_rules! causes {
                 /// Pulses of the run.
                 asked: u64,
             },
+            /// A scenario that no change makes fit into real time.
+            #[error(
+                "{}: nothing that was tried makes it run at {margin} times real time on this machine; \
+                 allowed: a lower --margin, a smaller scene, a lower radar.prf_hz, a faster machine",
+                shown(path)
+            )]
+            NoFit {
+                /// The scenario.
+                path: PathBuf,
+                /// Times real time that were wanted.
+                margin: f64,
+            },
             /// A recording of navigation without a track.
             #[error("{}: no track", shown(.0))]
             NoTrack(PathBuf),
@@ -181,6 +193,7 @@ macro_rules! causes {
                 let is_wrong_input = match self {
                     Self::Output(_) | Self::Run(_) | Self::Signal(_) => false,
                     Self::NotWhole { .. } | Self::NotComplete { .. } | Self::NoTrack(_) => false,
+                    Self::NoFit { .. } => false,
                     Self::Focus { .. } => true,
                     $($(#[$when])? Self::$name(error) => {
                         let is_wrong_input: fn(&$source) -> bool = $is_wrong_input;
@@ -273,9 +286,10 @@ mod tests {
         let file = || FileFault::io("a.h5".as_ref(), "writing")(io());
         let (path, text, action) = (|| PathBuf::from("a"), String::new, "writing");
         let hdf5 = || RecordingError::Hdf5 { path: path(), action, detail: text() };
-        let cases: [(u8, CliError); 16] = [
+        let cases: [(u8, CliError); 17] = [
             (1, CliError::Output(io())),
             (1, CliError::NotWhole { path: path(), faults: 1 }),
+            (1, CliError::NoFit { path: path(), margin: 1.15 }),
             (2, Refused::value("drop", 2, "0 to 1").into()),
             (1, RecordingError::File(file()).into()),
             (2, RecordingError::File(FileFault::Exists { path: path() }).into()),

@@ -9,6 +9,7 @@ mod check;
 mod error;
 mod escape;
 mod export;
+mod fit;
 mod focus;
 #[cfg(unix)]
 mod large_pages;
@@ -141,6 +142,7 @@ pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Re
         Command::Run(args) => run::run(args, out),
         Command::Check(args) => check::check(args, out),
         Command::Bench(args) => bench::bench(args, begun, out),
+        Command::Fit(args) => fit::fit(args, out),
         Command::Tradeoff(args) => tradeoff::tradeoff(args, out),
         Command::New(args) => new::new(args, out),
         Command::Sea(args) => sea::sea(args, out),

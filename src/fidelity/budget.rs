@@ -53,6 +53,12 @@ impl Plan {
     pub fn keeps(&self) -> bool {
         self.prediction.total_db() <= self.asked.error_db
     }
+
+    /// What it would have to do with so many times the facets, the area and the interval of shadows.
+    pub fn work_with(&self, times: [f64; 3]) -> Work {
+        let interpolates = !self.work.is_one_by_one();
+        self.size.scaled(times).work(&self.chosen, interpolates)
+    }
 }
 
 /// The requested error, and what follows from it for all settings.

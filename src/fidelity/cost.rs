@@ -52,6 +52,13 @@ pub const PIECES: usize = 14;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work(pub [f64; PIECES]);
 
+impl Work {
+    /// Whether pulses are made one by one, from exact scatterer paths.
+    pub fn is_one_by_one(&self) -> bool {
+        self.0[10] > 0.0
+    }
+}
+
 /// What each piece takes, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CostTable(pub [f64; PIECES]);
@@ -192,6 +199,12 @@ impl Size {
             filled: shares.iter().sum::<f64>() / shares.len().max(1) as f64,
             pulses: scene.pulses,
         }
+    }
+
+    /// The same with so many times the facets, the area and the interval of shadows.
+    pub fn scaled(self, [facets, area, update]: [f64; 3]) -> Self {
+        let update_pulses = self.update_pulses.map(|pulses| update * pulses);
+        Self { facets: facets * self.facets, breakers: area * self.breakers, update_pulses, ..self }
     }
 
     /// Emissions that a window receives, at most.

@@ -44,6 +44,8 @@ const MOST_RECEIVED: f64 = 10_000.0;
 const LONGEST_S: f64 = 0.1;
 /// How much finer than the rest an emitter is planned, dB: there is no dry run of it.
 const FINER_DB: f64 = 6.0;
+/// Errors from here down are kept pulse by pulse, in f64: no dry run shows what blocks would leave, dB.
+const ONE_BY_ONE_DB: f64 = -90.0;
 
 /// An emitter whose paths are known, before anything is planned.
 #[derive(Clone)]
@@ -216,7 +218,8 @@ impl Emitting {
             Fidelity::Fast(asked) => {
                 let seldom_db = 10.0 * least_share(share_of_pulses).log10();
                 let one_by_one = asked.node_pulses.filter(|pulses| *pulses <= 1);
-                let error_db = (asked.error_db - FINER_DB + seldom_db).max(EXACT_DB.min(asked.error_db));
+                let error_db = asked.error_db - FINER_DB + seldom_db;
+                let error_db = if error_db <= ONE_BY_ONE_DB { EXACT_DB } else { error_db };
                 let asked =
                     Asked { node_pulses: one_by_one, variant: asked.variant, ..Asked::error_db(error_db) };
                 Some(Chooser::new(&scene, &generator, &waveform, &asked)?.choose(&asked)?)

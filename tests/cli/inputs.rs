@@ -31,6 +31,7 @@ fn a_pipe_is_refused_by_every_command_that_reads() {
         "run fifo",
         "bench fifo",
         "tradeoff fifo",
+        "fit fifo",
         "sea fifo",
         "wake fifo",
         "snapshot fifo",

@@ -14,6 +14,7 @@ mod cases_named;
 mod export;
 #[cfg(unix)]
 mod files;
+mod fit;
 mod focus;
 mod foreign_files;
 mod help;

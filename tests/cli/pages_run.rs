@@ -17,7 +17,7 @@ use crate::pages::{blocks, lines_of, name, pages, words};
 use crate::program::{command, package};
 
 /// Lines that are not run, by how they begin, and why.
-const NOT_RUN: [(&str, &str); 21] = [
+const NOT_RUN: [(&str, &str); 22] = [
     ("cargo ", "builds; tools/test builds and runs the same"),
     ("tools/quickstart", "builds; tests/cli/setup_script.rs covers its set-up"),
     ("tools/test", "runs this test"),
@@ -35,6 +35,7 @@ const NOT_RUN: [(&str, &str); 21] = [
     ("nereus monitor", "serves until Ctrl-C; tests/cli/monitor.rs ends it"),
     ("nereus speckle", "takes minutes; tests/cli/speckle.rs runs it on a small sea"),
     ("nereus focus quickstart.h5 --speckle", "needs a large image; tests/cli/speckle.rs runs it on its own"),
+    ("nereus fit", "measures the machine; tests/cli/fit.rs runs it on a small sea"),
     ("nereus tradeoff", "takes minutes; tests/cli/bench.rs runs it on a small sea"),
     (
         "nereus run configs/mars-live.toml --duration-s 60",
