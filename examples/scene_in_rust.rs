@@ -123,6 +123,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         events: Vec::new(),
         control: false,
         shard: None,
+        relax_db: Vec::new(),
         monitor: None,
         fidelity: nereus::echo::Fidelity::Reference,
         stream: Settings {
