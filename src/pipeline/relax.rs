@@ -2,8 +2,8 @@
 //!
 //! A run has error classes: class 0 is the error that is asked, the others are coarser and take less time.
 //! Before every segment the slack is known, what is left until its first pulse is due. With `w` the time that
-//! a worker takes for a pulse of class `c`, predicted by the cost model and scaled by how long pulses of the
-//! last segments took, and those that are being made have taken already, and `n` the pulses of a segment,
+//! a worker takes for a pulse of class `c`, predicted by the cost model and scaled by the slowest of the
+//! last segments and of those under way, and `n` the pulses of a segment,
 //!
 //! * **coarser**, at once and by as many classes as it takes: `1.5 w(c) n(c)` is more than the slack; by one
 //!   class after pulses were given up;
@@ -13,6 +13,7 @@
 //!
 //! Pulses of a class have the same bits however a run came to make them: a segment is cut by pulse numbers.
 
+use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -29,8 +30,8 @@ const SETTLE_S: f64 = 1.0;
 const LONGEST_SETTLE_S: f64 = 60.0;
 /// A finer class that lasted no longer than so many times that was tried too early.
 const LASTED: f64 = 10.0;
-/// Weight of the last segment in the mean of what pulses take.
-const NEWEST: f64 = 0.3;
+/// Segments of a worker that show how slow it is: the slowest of them counts, for pulses leave in order.
+const RECENT: usize = 3;
 /// A class that takes more of the time of the one before is none.
 const LEAST_GAIN: f64 = 0.95;
 
@@ -67,8 +68,8 @@ struct State {
     end: Option<u64>,
     /// Of every worker: since when it makes a segment, and what the model says of it, s.
     under_way: Vec<Option<(Instant, f64)>>,
-    /// What pulses took of late over what the model says; `None` before the first.
-    mean: Option<f64>,
+    /// What pulses of the last segments took over what the model says.
+    recent: VecDeque<f64>,
     /// Slack when the last segment was begun, after the wait for navigation, s.
     begun_with_s: f64,
     /// Time of workers since the class last changed, s.
@@ -101,7 +102,7 @@ impl Relaxation {
             class: 0,
             end: None,
             under_way: vec![None; workers],
-            mean: None,
+            recent: VecDeque::with_capacity(RECENT * workers.max(1) + 1),
             begun_with_s: f64::INFINITY,
             busy_s: 0.0,
             waited_s: 0.0,
@@ -163,7 +164,10 @@ impl Relaxation {
         state.under_way[made.worker] = None;
         let of_pulse_s = made.busy.as_secs_f64() / made.pulses.max(1) as f64;
         let newest = of_pulse_s / self.model_s[made.class].max(f64::MIN_POSITIVE);
-        state.mean = Some(state.mean.map_or(newest, |mean| mean + NEWEST * (newest - mean)));
+        state.recent.push_back(newest);
+        if state.recent.len() > RECENT * state.under_way.len() {
+            state.recent.pop_front();
+        }
         state.begun_with_s = made.begun_with_s;
         if made.class != state.class {
             return;
@@ -179,13 +183,13 @@ impl Relaxation {
 }
 
 impl State {
-    /// What pulses take over what the model says: of late, or those that are under way.
+    /// What pulses take over what the model says, of late or under way, at worst; `None` before the first.
     fn slowness(&self) -> Option<f64> {
         let so_far = |(since, model_s): &(Instant, f64)| {
             since.elapsed().as_secs_f64() / model_s.max(f64::MIN_POSITIVE)
         };
-        let slowest = self.under_way.iter().flatten().map(so_far).fold(0.0, f64::max);
-        Some(self.mean?.max(slowest))
+        let under_way = self.under_way.iter().flatten().map(so_far);
+        (!self.recent.is_empty()).then(|| self.recent.iter().copied().chain(under_way).fold(0.0, f64::max))
     }
 
     fn change(&mut self, class: usize) {
