@@ -5,8 +5,8 @@
 //! a worker takes for a pulse of class `c`, predicted by the cost model and scaled by the slowest of the
 //! last segments and of those under way, and `n` the pulses of a segment,
 //!
-//! * **coarser**, at once and by as many classes as it takes: `1.5 w(c) n(c)` is more than the slack; by one
-//!   class after pulses were given up;
+//! * **coarser** by one class: 2.5 times what a segment of this class or a coarser one takes, `w(c) n(c)` at most, is
+//!   more than the slack, and that shrinks; or pulses were given up. The coarsest at once: 1.5 times that is more;
 //! * **finer**, by one class: workers have waited for free slots or for navigation, so much that the next finer
 //!   class would keep them busy for [`MOST_BUSY`] of the time at most. That is looked at once a second of
 //!   generation, and less and less often where the finer class did not last.
@@ -14,6 +14,7 @@
 //! Pulses of a class have the same bits however a run came to make them: a segment is cut by pulse numbers.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -21,8 +22,12 @@ use crate::fidelity::cost::CostTable;
 
 use super::stages::PulseFactory;
 
-/// How much longer than predicted a segment may take.
-const SAFETY: f64 = 1.5;
+/// Segments that fit the slack at least, of this class and of all coarser ones: else the next coarser class is
+/// taken, or the coarsest.
+const ENOUGH: f64 = 2.5;
+const LEAST: f64 = 1.5;
+/// Share of the slack that is left when a class that was taken has not stopped it from shrinking.
+const SHRUNK: f64 = 0.8;
 /// How busy a finer class may keep the workers.
 const MOST_BUSY: f64 = 0.85;
 /// Time of generation after which a finer class is tried, s, and the longest.
@@ -72,6 +77,8 @@ struct State {
     recent: VecDeque<f64>,
     /// Slack when the last segment was begun, after the wait for navigation, s.
     begun_with_s: f64,
+    /// Slack when a coarser class was taken, s.
+    changed_at_s: f64,
     /// Time of workers since the class last changed, s.
     busy_s: f64,
     waited_s: f64,
@@ -104,6 +111,7 @@ impl Relaxation {
             under_way: vec![None; workers],
             recent: VecDeque::with_capacity(RECENT * workers.max(1) + 1),
             begun_with_s: f64::INFINITY,
+            changed_at_s: f64::INFINITY,
             busy_s: 0.0,
             waited_s: 0.0,
             settle_s: SETTLE_S,
@@ -116,31 +124,39 @@ impl Relaxation {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The class of a segment from a pulse on that is due in so long, s, where each class has segments of so
-    /// many pulses.
-    pub(super) fn class(&self, first: u64, slack_s: f64, pulses: impl Fn(usize) -> u64) -> usize {
+    /// The class of pulses that are due in so long, s, where the segment of each class that holds the first is this.
+    pub(super) fn class(&self, first: u64, slack_s: f64, segment: impl Fn(usize) -> Range<u64>) -> usize {
         if self.model_s.len() < 2 {
             return 0;
         }
+        // A segment is made whole, whatever part of it is needed.
+        let pulses = |class: usize| segment(class).end - segment(class).start;
+        let to_end = |class: usize| segment(class).end - first;
         let mut state = self.state();
         let Some(slowness) = state.slowness() else { return state.class };
         let slack_s = slack_s.min(state.begun_with_s);
-        let in_time =
-            |class: &usize| SAFETY * slowness * self.model_s[*class] * pulses(*class) as f64 <= slack_s;
         let last = self.model_s.len() - 1;
-        let needed = (state.class..last).find(in_time).unwrap_or(last);
+        let takes_s = |class: usize| slowness * self.model_s[class] * pulses(class) as f64;
+        let fits = |times: f64, from: usize| (from..=last).all(|class| times * takes_s(class) <= slack_s);
         let is_gap = state.end.is_some_and(|end| first > end);
-        let needed = if is_gap { needed.max((state.class + 1).min(last)) } else { needed };
+        let shrinks = slack_s < SHRUNK * state.changed_at_s;
+        let needed = if state.class == last || fits(ENOUGH, state.class) && !is_gap {
+            state.class
+        } else if !fits(LEAST, state.class) {
+            last
+        } else {
+            state.class + usize::from(is_gap || shrinks)
+        };
         if needed > state.class {
             let early = |at: Instant| at.elapsed().as_secs_f64() < LASTED * state.settle_s;
             let settle_s = if state.refined.is_some_and(early) { 2.0 * state.settle_s } else { SETTLE_S };
             state.settle_s = settle_s.min(LONGEST_SETTLE_S);
-            state.change(needed);
-        } else if needed > 0 && self.may_refine(&state) && in_time(&(needed - 1)) {
+            state.change(needed, slack_s);
+        } else if needed > 0 && self.may_refine(&state) && fits(ENOUGH, needed - 1) {
             state.refined = Some(Instant::now());
-            state.change(needed - 1);
+            state.change(needed - 1, f64::INFINITY);
         }
-        state.end = Some(first + pulses(state.class));
+        state.end = Some(first + to_end(state.class));
         state.class
     }
 
@@ -192,8 +208,9 @@ impl State {
         (!self.recent.is_empty()).then(|| self.recent.iter().copied().chain(under_way).fold(0.0, f64::max))
     }
 
-    fn change(&mut self, class: usize) {
+    fn change(&mut self, class: usize, slack_s: f64) {
         (self.class, self.busy_s, self.waited_s) = (class, 0.0, 0.0);
+        self.changed_at_s = slack_s;
     }
 }
 
@@ -215,7 +232,7 @@ mod tests {
             let free_s = due((next + PULSES).saturating_sub(200)) * f64::from(u8::from(next + PULSES > 200));
             let waited_s = (free_s - now_s).max(0.0);
             now_s += waited_s;
-            let class = relaxation.class(next, due(next) - now_s, |_| PULSES);
+            let class = relaxation.class(next, due(next) - now_s, |_| next..next + PULSES);
             let slack_s = due(next) - now_s;
             let busy_s = PULSES as f64 * pulse_s * load(now_s) / [1.0, 2.0, 4.0][class];
             now_s += busy_s;
@@ -257,17 +274,17 @@ mod tests {
         let made = Made { worker: 0, class: 0, pulses: 50, waited, busy, begun_with_s: 10.0 };
         relaxation.made(&made);
         // Nobody took the first one: it is asked for again.
-        let classes = [0, 0, 50, 120, 170].map(|first| relaxation.class(first, 10.0, |_| 50));
+        let classes = [0, 0, 50, 120, 170].map(|first| relaxation.class(first, 10.0, |_| first..first + 50));
         assert_eq!(classes, [0, 0, 0, 1, 1]);
         // A segment that has taken a hundred times as long as others promises no better.
         relaxation.begin(0, 1, 50);
         std::thread::sleep(Duration::from_millis(500));
-        assert_eq!(relaxation.class(220, 0.5, |_| 50), 2);
+        assert_eq!(relaxation.class(220, 0.5, |_| 220..270), 2);
     }
 
     #[test]
     fn a_run_without_classes_has_none() {
         let relaxation = Relaxation::of(vec![1.0], 2);
-        assert_eq!(relaxation.class(0, -1.0, |_| 64), 0);
+        assert_eq!(relaxation.class(0, -1.0, |_| 0..64), 0);
     }
 }

@@ -89,9 +89,9 @@ pub(super) fn generate(
         loop {
             let asked = Instant::now();
             let claim = dispatcher.claim(|first| {
-                let to_the_end = |class: usize| classes[class].segment_of(first).end - first;
-                chosen.set(relaxation.class(first, slack_s(first), to_the_end));
-                first + to_the_end(chosen.get())
+                let segment = |class: usize| classes[class].segment_of(first);
+                chosen.set(relaxation.class(first, slack_s(first), segment));
+                segment(chosen.get()).end
             });
             let Some(mut claim) = claim else { return Ok(()) };
             let class = chosen.get();
