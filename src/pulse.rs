@@ -34,8 +34,8 @@ pub mod flags {
     pub const NAV_STALE: u32 = 1 << 5;
     /// A platform reported nothing new: its report is held or extrapolated over a dropout.
     pub const REPORT_DROPOUT: u32 = 1 << 6;
-    /// Bits of the error class of the pulse: 0 as `fidelity.error_db` asks, `n` as the `n`-th of the errors to
-    /// which policy `relax` may go.
+    /// Bits of the error class of the pulse: 0 as `fidelity.error_db` asks, `n` as the `n`-th of the errors
+    /// to which policy `relax` goes.
     pub const ERROR_CLASS: u32 = MOST_CLASS << CLASS_AT;
     /// The coarsest class that there is room for.
     pub const MOST_CLASS: u32 = 7;

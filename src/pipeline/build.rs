@@ -318,8 +318,8 @@ impl PulseStream {
         self.settings.ring_slots = self.settings.ring_slots.max(wanted.min(fit));
     }
 
-    /// Makes pulses so far ahead that a load is noticed before the first of them is late: twice as slow as real
-    /// time, what is made at once is in time, and a few of these lie in the ring.
+    /// Makes pulses so far ahead that a load is noticed before the first of them is late: twice as slow as
+    /// real time, what is made at once is in time, and a few of these lie in the ring.
     fn make_ahead(&mut self) {
         let enough_s = 2.0 * self.in_hand().batch_s;
         if !self.settings.latency_given && self.settings.latency_s < enough_s {

@@ -5,11 +5,12 @@
 //! a worker takes for a pulse of class `c`, predicted by the cost model and scaled by the slowest of the
 //! last segments and of those under way, and `n` the pulses of a segment,
 //!
-//! * **coarser** by one class: 2.5 times what a segment of this class or a coarser one takes, `w(c) n(c)` at most, is
-//!   more than the slack, and that shrinks; or pulses were given up. The coarsest at once: 1.5 times that is more;
-//! * **finer**, by one class: workers have waited for free slots or for navigation, so much that the next finer
-//!   class would keep them busy for [`MOST_BUSY`] of the time at most. That is looked at once a second of
-//!   generation, and less and less often where the finer class did not last.
+//! * **coarser** by one class: 2.5 times what a segment of this class or a coarser one takes, `w(c) n(c)` at
+//!   most, is more than the slack, and that shrinks; or pulses were given up. The coarsest at once: 1.5 times
+//!   that is more;
+//! * **finer**, by one class: workers have waited for free slots or for navigation, so much that the next
+//!   finer class would keep them busy for [`MOST_BUSY`] of the time at most. That is looked at once a second
+//!   of generation, and less and less often where the finer class did not last.
 //!
 //! Pulses of a class have the same bits however a run came to make them: a segment is cut by pulse numbers.
 
@@ -22,8 +23,8 @@ use crate::fidelity::cost::CostTable;
 
 use super::stages::PulseFactory;
 
-/// Segments that fit the slack at least, of this class and of all coarser ones: else the next coarser class is
-/// taken, or the coarsest.
+/// Segments that fit the slack at least, of this class and of all coarser ones: else the next coarser class
+/// is taken, or the coarsest.
 const ENOUGH: f64 = 2.5;
 const LEAST: f64 = 1.5;
 /// Share of the slack that is left when a class that was taken has not stopped it from shrinking.
@@ -45,8 +46,8 @@ fn model_s(factory: &PulseFactory) -> f64 {
     factory.plan().map_or(0.0, |plan| CostTable::TABLE.seconds(&plan.work))
 }
 
-/// Those of ever coarser factories that take less time than the one before, and, where reception is continuous,
-/// whose noise goes on from one to the other.
+/// Those of ever coarser factories that take less time than the one before, and, where reception is
+/// continuous, whose noise goes on from one to the other.
 pub(super) fn worth_having(asked: &PulseFactory, coarser: Vec<PulseFactory>) -> Vec<PulseFactory> {
     let mut least_s = model_s(asked);
     let cheaper = |factory: &PulseFactory| {
@@ -124,7 +125,8 @@ impl Relaxation {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The class of pulses that are due in so long, s, where the segment of each class that holds the first is this.
+    /// The class of pulses that are due in so long, s, where the segment of each class that holds the first
+    /// is this.
     pub(super) fn class(&self, first: u64, slack_s: f64, segment: impl Fn(usize) -> Range<u64>) -> usize {
         if self.model_s.len() < 2 {
             return 0;
@@ -218,8 +220,8 @@ impl State {
 mod tests {
     use super::*;
 
-    /// Plays a run of 1000 pulses/s in segments of 50 pulses with one worker that takes so long for a pulse of
-    /// class 0, `load` times longer at each instant; the others take a half and a quarter. Slots for 200
+    /// Plays a run of 1000 pulses/s in segments of 50 pulses with one worker that takes so long for a pulse
+    /// of class 0, `load` times longer at each instant; the others take a half and a quarter. Slots for 200
     /// pulses. Returns the pulses by class and those that were made too late.
     fn play(pulse_s: f64, seconds: f64, load: impl Fn(f64) -> f64) -> (Vec<[u64; 3]>, u64) {
         const PULSES: u64 = 50;

@@ -46,8 +46,8 @@ pub struct Instrument {
     /// What radiates besides; recordings without any do not mention it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub emitters: Vec<EmitterRow>,
-    /// Error that pulses of each class keep against the reference, dB (`flags::ERROR_CLASS` of a pulse); empty
-    /// where all are of one class.
+    /// Error that pulses of each class keep against the reference, dB (`flags::ERROR_CLASS` of a pulse);
+    /// empty where all are of one class.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub error_classes_db: Vec<f64>,
 }

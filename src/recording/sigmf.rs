@@ -521,10 +521,6 @@ impl Block {
 
 /// Flags of a pulse in words.
 fn marks(of: u32) -> String {
-    let class = match flags::error_class(of) {
-        0 => String::new(),
-        class => format!("; error class {class}"),
-    };
     [
         (flags::LATE, "late"),
         (flags::AFTER_GAP, "after a gap"),
@@ -533,10 +529,11 @@ fn marks(of: u32) -> String {
         (flags::NAV_EXTRAPOLATED, "motion extrapolated"),
         (flags::NAV_STALE, "navigation stale"),
         (flags::REPORT_DROPOUT, "report dropped out"),
+        (flags::ERROR_CLASS, "coarser than asked"),
     ]
     .into_iter()
     .filter(|(flag, _)| of & flag != 0)
-    .fold(class, |text, (_, mark)| format!("{text}; {mark}"))
+    .fold(String::new(), |text, (_, mark)| text + "; " + mark)
 }
 
 /// UTC of nanoseconds since 1970, by ISO 8601.

@@ -88,7 +88,7 @@ fn a_run_and_the_export_of_its_recording_are_the_same_file() {
     // 17 pulses of V and of H, two channels each of 64 samples of two 16-bit numbers.
     assert!(direct.starts_with(b"CRSDsar/1.0\n"));
     assert_eq!(field(&direct, "SIGNAL_BLOCK_SIZE"), 2 * 34 * 64 * 4);
-    assert_eq!(field(&direct, "PPP_BLOCK_SIZE"), 34 * 216);
+    assert_eq!(field(&direct, "PPP_BLOCK_SIZE"), 34 * 224);
     assert_eq!(field(&direct, "PVP_BLOCK_SIZE"), 2 * 34 * 224);
     let end = field(&direct, "SIGNAL_BLOCK_BYTE_OFFSET") + field(&direct, "SIGNAL_BLOCK_SIZE");
     assert_eq!(end, direct.len());
@@ -100,7 +100,7 @@ fn channels_are_chosen_by_name() {
     let ended = export(folder.path(), &["--channel", "HV,VV", "--out", "v.crsd"]);
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     assert!(ended.stderr.contains("left out: VH, HH"), "{}", ended.stderr);
-    assert_eq!(field(&fs::read(folder.path().join("v.crsd")).unwrap(), "PPP_BLOCK_SIZE"), 17 * 216);
+    assert_eq!(field(&fs::read(folder.path().join("v.crsd")).unwrap(), "PPP_BLOCK_SIZE"), 17 * 224);
     let ended = export(folder.path(), &["--channel", "XX", "--out", "x.crsd"]);
     assert_eq!(ended.code, 2);
     assert!(ended.stderr.contains("XX; allowed: VV, HV, VH, HH"), "{}", ended.stderr);
