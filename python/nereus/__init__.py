@@ -91,7 +91,11 @@ class Flag(IntFlag):
 
 
 def error_class(flags: Any) -> Any:
-    """Error class of pulses by their flags: 0 as asked, n as entry n of `error_classes_db` of the attribute `instrument`."""
+    """Error class of pulses by their flags: 0 as asked, `n` as entry `n` of `instrument["error_classes_db"]`.
+
+    >>> error_class(0x105)
+    1
+    """
     return (flags >> 8) & 7
 
 
