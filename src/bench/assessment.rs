@@ -9,7 +9,6 @@ use crate::adequacy::link_budget::{LinkBudget, link_budget};
 use crate::adequacy::polarisation::polarisation;
 use crate::adequacy::{Adequacy, adequacy_with_edge, hidden_targets};
 use crate::config::Run;
-use crate::fidelity::cost::CostTable;
 use crate::motion::PlatformNav;
 use crate::nav::TrackSource;
 use crate::paths::drops;
@@ -129,7 +128,7 @@ impl Assessment {
     /// What is predicted of the settings takes the place of what was asked.
     fn plan(&mut self, run: &Run, stream: &PulseStream) {
         let Some(planned) = stream.factory().plan() else { return };
-        let speed = stream.threads() as f64 / CostTable::TABLE.seconds(&planned.work);
+        let speed = stream.threads() as f64 / planned.seconds();
         let factor = speed / run.scene.radar.sends().mean_prf_hz();
         self.warnings.extend(not_kept(planned));
         for row in self.models.with.iter_mut().filter(|row| row.what == ECHO) {

@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::fidelity::cost::CostTable;
 use crate::pipeline::build::{PulseStream, sum_of};
 use crate::pipeline::fault::PulseError;
 use crate::pipeline::plausible::ConverterReport;
@@ -75,10 +74,8 @@ impl PulseStream {
     /// The error classes of policy `relax` beyond the first, where that makes pulses at so many times real
     /// time.
     fn coarser(&self, real_time_factor: f64) -> Vec<ClassForecast> {
-        let seconds = |factory: &PulseFactory| {
-            factory.plan().map(|plan| (CostTable::TABLE.seconds(&plan.work), plan.promised_db()))
-        };
-        let mut classes = self.classes().filter_map(seconds);
+        let mut classes =
+            self.classes().filter_map(PulseFactory::plan).map(|plan| (plan.seconds(), plan.promised_db()));
         let asked_s = classes.next().map_or(0.0, |(seconds, _)| seconds);
         let of = |(seconds, error_db)| ClassForecast {
             error_db,

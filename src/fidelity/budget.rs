@@ -1,7 +1,7 @@
 //! The requested error, and the plan that is made to keep it.
 
 use super::Prediction;
-use super::cost::{Size, Work};
+use super::cost::{CostTable, Size, Work};
 use super::echo_settings::EchoSettings;
 use crate::echo::Asked;
 use crate::echo::synth::Precision;
@@ -44,6 +44,11 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Seconds of one worker for a pulse, by the cost model.
+    pub fn seconds(&self) -> f64 {
+        CostTable::TABLE.seconds(&self.work)
+    }
+
     /// The error that pulses keep, dB: what is asked, or what is predicted where that is more.
     pub fn promised_db(&self) -> f64 {
         self.asked.error_db.max(self.prediction.total_db())

@@ -165,7 +165,7 @@ impl<'a> Search<'a> {
             .collect();
         let mut best: Option<Plan> = None;
         for &node_pulses in spacings {
-            let done = |held: &Plan| held.keeps() && seconds(held) <= self.least_s(node_pulses, &allowed);
+            let done = |held: &Plan| held.keeps() && held.seconds() <= self.least_s(node_pulses, &allowed);
             if best.as_ref().is_some_and(done) {
                 break;
             }
@@ -327,14 +327,10 @@ impl<'a> Search<'a> {
     }
 }
 
-fn seconds(plan: &Plan) -> f64 {
-    CostTable::TABLE.seconds(&plan.work)
-}
-
 /// The cheaper of two that keep the budget; of others that of the least error.
 fn better(plan: &Plan, held: &Plan) -> bool {
     match (plan.keeps(), held.keeps()) {
-        (true, true) => seconds(plan) < seconds(held),
+        (true, true) => plan.seconds() < held.seconds(),
         (false, false) => plan.prediction.total() < held.prediction.total(),
         (keeps, _) => keeps,
     }

@@ -313,8 +313,13 @@ impl PulseStream {
     /// Releases pulses so long after their emission, and gives the ring room for them.
     fn wait_for(&mut self, latency_s: f64) {
         let wanted = (latency_s * self.schedule.times.mean_prf_hz()).ceil() as usize + 1;
-        let fit = RING_BYTES / self.factory.layout.slot_bytes().max(1);
         self.settings.latency_s = latency_s;
+        self.make_room(wanted);
+    }
+
+    /// Makes the ring so long, as far as its memory goes.
+    fn make_room(&mut self, wanted: usize) {
+        let fit = RING_BYTES / self.factory.layout.slot_bytes().max(1);
         self.settings.ring_slots = self.settings.ring_slots.max(wanted.min(fit));
     }
 
@@ -326,9 +331,7 @@ impl PulseStream {
             self.wait_for(enough_s);
         }
         let more = usize::try_from(AHEAD * self.settings.batch_pulses).unwrap_or(usize::MAX);
-        let fit = RING_BYTES / self.factory.layout.slot_bytes().max(1);
-        let wanted = self.settings.ring_slots.saturating_add(more).min(fit);
-        self.settings.ring_slots = self.settings.ring_slots.max(wanted);
+        self.make_room(self.settings.ring_slots.saturating_add(more));
     }
 
     /// Release of a pulse minus its emission, s.

@@ -12,14 +12,14 @@
 //!   finer class would keep them busy for [`MOST_BUSY`] of the time at most. That is looked at once a second
 //!   of generation, and less and less often where the finer class did not last.
 //!
-//! Pulses of a class have the same bits however a run came to make them: a segment is cut by pulse numbers.
+//! A pulse of a class is the same to the bit, whatever made it coarser: segments are cut by pulse numbers.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::fidelity::cost::CostTable;
+use crate::fidelity::budget::Plan;
 
 use super::stages::PulseFactory;
 
@@ -43,7 +43,7 @@ const LEAST_GAIN: f64 = 0.95;
 
 /// Seconds of one worker for a pulse by the cost model.
 fn model_s(factory: &PulseFactory) -> f64 {
-    factory.plan().map_or(0.0, |plan| CostTable::TABLE.seconds(&plan.work))
+    factory.plan().map_or(0.0, Plan::seconds)
 }
 
 /// Those of ever coarser factories that take less time than the one before, and, where reception is

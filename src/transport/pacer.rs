@@ -45,6 +45,7 @@
 //!   hand; the pulses between are never made. Under a lasting overload pulses therefore come in runs of about
 //!   a latency's length with gaps between. A run of which not one pulse was released ends with
 //!   [`PacerError::NothingReleased`].
+//! - `relax`: as `drop`. That pulses are made coarser before any is too late is generation's.
 //!
 //! At pace `fast` there are no deadlines: nothing waits, nothing is late, nothing is dropped.
 //!
