@@ -85,6 +85,7 @@ choices! {
     SpreadingLaw { Mitsuyasu = "mitsuyasu", Elfouhaily = "elfouhaily", Constant = "constant" }
     BraggKind { Frozen = "frozen", Travelling = "travelling" }
     ModulationKind { Off = "off", Relaxation = "relaxation" }
+    SpeckleKind { RandomPhase = "random-phase", Gaussian = "gaussian" }
     ShadowEdge { Soft = "soft", Sharp = "sharp" }
     SwellKind { Gaussian = "gaussian", Jonswap = "jonswap" }
     RideKind { Level = "level", Waves = "waves" }

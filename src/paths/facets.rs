@@ -284,14 +284,11 @@ impl Chunk {
         let columns = &self.pairs[pair];
         let phasors = match water.travelling() {
             None => &self.phasors,
-            Some(lines) => {
+            Some(_) => {
                 self.of_pair.clone_from(&self.phasors);
                 for (i, own) in self.of_pair.chunks_exact_mut(water.mechanisms()).enumerate() {
                     let key = patch.key(self.index[i]);
-                    let [incident, scattered] = columns.directions(i);
-                    let [specular, bragg] = lines.phasors(key, (incident, scattered), elapsed_s);
-                    own[0] *= specular;
-                    own[1..].iter_mut().for_each(|phasor| *phasor *= bragg);
+                    water.travel(key, columns.directions(i).into(), elapsed_s, own);
                 }
                 &self.of_pair
             }

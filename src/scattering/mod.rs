@@ -11,6 +11,7 @@ pub mod kind;
 pub mod kirchhoff;
 pub mod land;
 pub mod lanes;
+pub mod modes;
 pub mod modulation;
 pub mod permittivity;
 pub mod physical_optics;

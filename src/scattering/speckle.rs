@@ -81,6 +81,18 @@ impl Speckle {
         }
     }
 
+    /// The same of complex Gaussian law where they are frozen; those that decorrelate are so nearly.
+    pub fn gaussian_phasors(self, seed: u64, facet: (i64, i64), t_s: f64, out: &mut [Complex64]) {
+        if self != Self::Frozen {
+            return self.phasors(seed, facet, t_s, out);
+        }
+        let mut draws = stream(seed, Room::FacetPhase, facet.0.cast_unsigned(), facet.1.cast_unsigned());
+        out.fill_with(|| {
+            let power = -(1.0 - unit(draws.next_u64())).ln();
+            cis_turns(unit(draws.next_u64())) * power.sqrt()
+        });
+    }
+
     /// Rms angular frequency, rad/s.
     pub fn deviation_radps(self) -> f64 {
         match self {

@@ -38,22 +38,23 @@ use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 
 use super::batch::{Batch, batch};
-use super::bragg::{BraggLines, Setting};
+use super::bragg::{BraggLines, Mechanism, Setting};
 use super::facets::{Facets, LengthError, Phases};
 use super::kind::clean::Clean;
 use super::kind::slick::Slick;
 use super::kind::turbulent_wake::{RatioError, TurbulentWake};
 use super::lanes::table::{BraggTable, Density, MOST_RELATIVE_ERROR};
 use super::lanes::{LaneModulation, LaneWater};
+use super::modes::TiltModes;
 use super::modulation::{self, TiltBias};
 use super::permittivity::{Model, PermittivityError, SeaWater};
 use super::speckle::{Speckle, WAVES, Wave};
 use super::two_rays::TwoRays;
-use super::two_scale::{Medium, Settings, TwoScale};
+use super::two_scale::{Medium, Settings, TILTS, TwoScale};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{Row, WideRow};
 use crate::scattering::splitting::high_pass;
-use crate::scene::sea::{BraggWaves, LightWinds, Permittivity, SlickRegion};
+use crate::scene::sea::{self, BraggWaves, LightWinds, Permittivity, SlickRegion};
 use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
 use crate::scene::{Sea, Water};
 use crate::sea::fleet::Strip;
@@ -103,6 +104,8 @@ pub struct WaterScattering {
     downwind: [f64; 2],
     phases: Phases,
     speckle: Speckle,
+    /// Of facets of Gaussian amplitude.
+    modes: Option<TiltModes>,
     travelling: Option<BraggLines>,
     relaxation_per_s: Option<f64>,
     /// Of the waves of the map.
@@ -206,6 +209,7 @@ fn bragg_lines<F: Fn(f64, f64) -> f64>(
         resolved_radpm: medium.resolved_radpm,
         cut_radpm: clean.cut_radpm(),
         decorrelation_s: sea.scattering.decorrelation_s,
+        gaussian: sea.scattering.speckle != sea::Speckle::RandomPhase,
         seed,
     };
     Some(BraggLines::new(&setting, clean.tilt_variances()))
@@ -249,6 +253,13 @@ impl WaterScattering {
         }
         let bias = clean.tilt_bias();
         let (mechanisms, cut_radpm) = (1 + clean.tilts(), clean.cut_radpm());
+        let modes = match settings.speckle {
+            sea::Speckle::RandomPhase => None,
+            sea::Speckle::Gaussian { tilt_modes } => {
+                let tilts: Vec<_> = clean.lane_tilts().iter().map(|tilt| tilt.map(f64::from)).collect();
+                Some(TiltModes::new(&tilts, tilt_modes))
+            }
+        };
         let tilt_variances = clean.tilt_variances();
         let travelling = bragg_lines(sea, wind, spectrum.as_ref(), &clean, sight.seed);
         let mut kinds = vec![batch(two_scale, medium, Clean, psi(), bias)];
@@ -282,6 +293,7 @@ impl WaterScattering {
             downwind: [cos, sin],
             phases: settings.phases,
             speckle,
+            modes,
             travelling,
             relaxation_per_s,
             strength: Strength::default(),
@@ -380,6 +392,21 @@ impl WaterScattering {
         self.mechanisms
     }
 
+    /// Random processes that they come from: as many, or the specular part and a few modes of the tilts.
+    pub fn processes(&self) -> usize {
+        self.modes.as_ref().map_or(self.mechanisms, |modes| 1 + modes.count())
+    }
+
+    /// Random processes of which each turns all tilts, where waves travel.
+    pub fn travelling_modes(&self) -> usize {
+        self.modes.as_ref().map_or(1, TiltModes::count)
+    }
+
+    /// What each tilt takes of a mode of facets of Gaussian amplitude; `None` of others.
+    pub fn shares_of(&self, mode: usize) -> Option<impl Fn(usize) -> f64> {
+        self.modes.as_ref().map(|modes| move |tilt: usize| modes.share(mode, tilt))
+    }
+
     /// Relative permittivity of the water.
     pub fn permittivity(&self) -> Complex64 {
         self.permittivity
@@ -461,14 +488,50 @@ impl WaterScattering {
             })
     }
 
-    /// Phasors of the facet with a global key, `t_s` after pulse 0.
+    /// Phasors of the facet with a global key, `t_s` after pulse 0, waves that travel apart.
     pub fn phasors(&self, key: [i64; 2], t_s: f64, out: &mut [Complex64]) {
-        self.speckle.phasors(self.seed, (key[0], key[1]), t_s, out);
+        self.phasors_of(self.speckle, key, t_s, out);
     }
 
     /// Phasors of the same facet were they frozen.
     pub fn phasors_at_rest(&self, key: [i64; 2], out: &mut [Complex64]) {
-        Speckle::Frozen.phasors(self.seed, (key[0], key[1]), 0.0, out);
+        self.phasors_of(Speckle::Frozen, key, 0.0, out);
+    }
+
+    fn phasors_of(&self, speckle: Speckle, key: [i64; 2], t_s: f64, out: &mut [Complex64]) {
+        let facet = (key[0], key[1]);
+        match &self.modes {
+            None => speckle.phasors(self.seed, facet, t_s, out),
+            Some(modes) => {
+                let mut processes = [Complex64::ZERO; 1 + TILTS];
+                let processes = &mut processes[..=modes.count().min(TILTS)];
+                speckle.gaussian_phasors(self.seed, facet, t_s, processes);
+                if self.travelling.is_some() {
+                    processes[0] = Complex64::ONE;
+                }
+                modes.expand(processes, out);
+            }
+        }
+    }
+
+    /// Turns the phasors of the facet with a global key by the waves that travel, for unit directions from
+    /// the transmitter and to the receiver, `t_s` after pulse 0.
+    pub fn travel(&self, key: [i64; 2], directions: (DVec3, DVec3), t_s: f64, phasors: &mut [Complex64]) {
+        let Some(lines) = &self.travelling else { return };
+        let of = |mechanism, mode| lines.phasor((mechanism, mode), key, directions, t_s);
+        let specular = of(Mechanism::Specular, 0);
+        if let Some(modes) = &self.modes {
+            let mut processes = [specular; 1 + TILTS];
+            let processes = &mut processes[..=modes.count().min(TILTS)];
+            for (mode, process) in processes[1..].iter_mut().enumerate() {
+                *process = of(Mechanism::Bragg, mode);
+            }
+            return modes.expand(processes, phasors);
+        }
+        let bragg = of(Mechanism::Bragg, 0);
+        for (n, phasor) in phasors.iter_mut().enumerate() {
+            *phasor *= if n == 0 { specular } else { bragg };
+        }
     }
 
     /// Waves of the phasor of a mechanism of the same facet, where it decorrelates.

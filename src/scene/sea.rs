@@ -122,6 +122,8 @@ pub struct FacetScattering {
     pub gram_charlier: bool,
     /// How random phases enter.
     pub phases: Phases,
+    /// Which amplitudes they have.
+    pub speckle: Speckle,
     /// Whether the waves that scatter travel.
     pub bragg: BraggWaves,
     /// Whether waves break.
@@ -145,6 +147,7 @@ impl Default for FacetScattering {
             light_wind: LightWinds::default(),
             gram_charlier: false,
             phases: Phases::default(),
+            speckle: Speckle::default(),
             bragg: BraggWaves::TRAVELLING,
             breaking: Breaking::default(),
             modulation: Modulation::default(),
@@ -247,6 +250,20 @@ pub enum Phases {
     PolCoherent,
     /// One phase for all, magnitudes only.
     Single,
+}
+
+/// What a facet is in a resolution cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Speckle {
+    /// One scatterer of a given amplitude and a random phase: many of them make speckle.
+    #[default]
+    RandomPhase,
+    /// All the scatterers that it holds: of complex Gaussian amplitude, speckle by itself.
+    Gaussian {
+        /// Random processes for the tilts within a facet (`scattering::modes`).
+        tilt_modes: usize,
+    },
 }
 
 /// How visibility is found.

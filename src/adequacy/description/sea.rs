@@ -5,7 +5,7 @@ use crate::adequacy::{AZIMUTH_M, Adequacy};
 use crate::inputs::shown;
 use crate::scene::sea::{
     Averaging, BraggWaves, Breaking, FacetScattering, LightWinds, Modulation, PatchPlace, Permittivity,
-    Phases, Realisation, Sea, Shadowing, SlickShape, Splitting, Waves,
+    Phases, Realisation, Sea, Shadowing, SlickShape, Speckle, Splitting, Waves,
 };
 use crate::scene::water::{
     Development, SpectrumKind, Spreading, Swell, SwellShape, Water, WindProfile, WindStrength,
@@ -305,6 +305,12 @@ fn scattering_text(scattering: &FacetScattering) -> String {
         Phases::PolCoherent => "; independent random phases of the Bragg and the specular part",
         Phases::Single => "; one random phase",
     };
+    if let Speckle::Gaussian { tilt_modes } = scattering.speckle {
+        text += "; facets of Gaussian amplitude";
+        if scattering.tilt_average {
+            text += &format!(" in {tilt_modes} modes of tilt");
+        }
+    }
     if let BraggWaves::Travelling { drift_share, drift_turn_rad } = scattering.bragg {
         text += "; Bragg waves travel both ways by the spectrum";
         if drift_share > 0.0 {

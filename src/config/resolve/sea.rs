@@ -2,14 +2,15 @@
 
 use super::{land, slick};
 use crate::config::choices::{
-    BraggKind, Choice, ModulationKind, ShadowEdge, SpectrumName, SpreadingLaw, SwellKind, WithTail,
+    BraggKind, Choice, ModulationKind, ShadowEdge, SpeckleKind, SpectrumName, SpreadingLaw, SwellKind,
+    WithTail,
 };
 use crate::config::error::Problem;
 use crate::config::keys::{self, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
 use crate::config::section::Section;
 use crate::scene::sea::{
     BraggWaves, Breaking, FacetScattering, Modulation, PatchPlace, Permittivity, Phases, Realisation,
-    Shadowing, Splitting, Waves,
+    Shadowing, Speckle, Splitting, Waves,
 };
 use crate::scene::water::{
     Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindStrength,
@@ -260,7 +261,7 @@ fn scattering(
 ) -> Option<FacetScattering> {
     use keys::scattering::{
         BRAGG, BREAKING, CUT_RADPM, DECORRELATION_MS, DISPLACEMENT, DRIFT_DEG, DRIFT_SHARE, GRAM_CHARLIER,
-        LIGHT_WIND, MODULATION, PHASES, RELAXATION_PER_S, SPLITTING, TILT_AVERAGE,
+        LIGHT_WIND, MODULATION, PHASES, RELAXATION_PER_S, SPECKLE, SPLITTING, TILT_AVERAGE, TILT_MODES,
     };
     let splitting = section.choice(&SPLITTING);
     let phases = section.choice(&PHASES);
@@ -274,6 +275,11 @@ fn scattering(
     let modulation = section.choice(&MODULATION);
     if modulation == Some(ModulationKind::Off) {
         section.idle(&[&RELAXATION_PER_S], "modulation = \"off\"");
+    }
+    let speckle = section.choice(&SPECKLE);
+    let tilt_modes = section.count(&TILT_MODES);
+    if speckle == Some(SpeckleKind::RandomPhase) {
+        section.idle(&[&TILT_MODES], "speckle = \"random-phase\"");
     }
     // One phase cannot turn with two lines.
     let single = phases == Some(Phases::Single);
@@ -302,6 +308,9 @@ fn scattering(
     if splitting == Some(Splitting::Mars2007) && tilt_average == Some(true) {
         section.idle(&[&TILT_AVERAGE], "splitting = \"mars2007\"");
     }
+    if speckle == Some(SpeckleKind::Gaussian) && (tilt_average == Some(false) || single) {
+        section.idle(&[&TILT_MODES], if single { "phases = \"single\"" } else { "tilt_average = false" });
+    }
     section.finish();
     if !sound {
         return None;
@@ -314,6 +323,10 @@ fn scattering(
         light_wind: light_wind?,
         gram_charlier: gram_charlier?,
         phases: phases?,
+        speckle: match speckle? {
+            SpeckleKind::RandomPhase => Speckle::RandomPhase,
+            SpeckleKind::Gaussian => Speckle::Gaussian { tilt_modes: tilt_modes? as usize },
+        },
         bragg: match bragg? {
             BraggKind::Travelling => {
                 BraggWaves::Travelling { drift_share: drift_share?, drift_turn_rad: drift_deg?.to_radians() }

@@ -8,7 +8,7 @@ use crate::scattering::permittivity::Model;
 use crate::scene::radar::{Sweep, Waveform};
 use crate::scene::sea::{
     Averaging, BraggWaves, Breaking, FacetScattering, LightWinds, Modulation, PatchPlace, Permittivity,
-    Phases, Realisation, Shadowing, SlickShape, Splitting, Waves,
+    Phases, Realisation, Shadowing, SlickShape, Speckle, Splitting, Waves,
 };
 use crate::scene::ship::HullGiven;
 use crate::scene::water::{
@@ -167,7 +167,7 @@ fn every_setting_arrives() {
         "{ wind_ustar_mps = 0.36, wind_profile = 'wu', wind_from_deg = 240, spectrum = 'elfouhaily-fung-lee', \
          inverse_wave_age = 1.5, capillary = true, depth_m = 20, waves = 'linear', temperature_c = 4, salinity_psu = 10, \
          permittivity = 'klein-swift', averaging = 'cells', \
-         scattering = { splitting = 'mars2007', phases = 'single', cut_radpm = 70, gram_charlier = true, light_wind = 'published', \
+         scattering = { splitting = 'mars2007', phases = 'single', speckle = 'gaussian', cut_radpm = 70, gram_charlier = true, light_wind = 'published', \
          breaking = 'off', modulation = 'off', decorrelation_ms = 8, displacement = false }, shadow = { edge = 'sharp', rays_per_facet = 3, update_ms = 5 } }",
     );
     assert_eq!(sea.water.wind.strength, WindStrength::FrictionVelocity { ustar_mps: 0.36 });
@@ -187,6 +187,7 @@ fn every_setting_arrives() {
         light_wind: LightWinds::AsPublished,
         gram_charlier: true,
         phases: Phases::Single,
+        speckle: Speckle::Gaussian { tilt_modes: 3 },
         bragg: BraggWaves::Frozen,
         breaking: Breaking::Off,
         modulation: Modulation::Off,

@@ -46,7 +46,7 @@ impl PathGenerator {
     /// Evaluates the tile of the runs at hand: [`TileWork::tile`]. Facets that return nothing to any pair at
     /// any pulse are left out.
     pub(super) fn evaluate_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
-        self.place(patch, work);
+        self.place(sea, patch, work);
         self.sight(sea, work);
         self.keep_illuminated(work);
         self.choose_supports(sea, work);
@@ -120,7 +120,7 @@ impl PathGenerator {
     }
 
     /// Places of the facets on the mean surface, random phases, visibility.
-    fn place(&self, patch: &Patch, work: &mut TileWork) {
+    fn place(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
         let TileWork {
             variant,
             facet_surface,
@@ -172,7 +172,7 @@ impl PathGenerator {
             variant.run(Gather { runs, from: &column[0], to: &mut row[0] });
             variant.run(Gather { runs, from: &column[1], to: &mut row[1] });
         }
-        part.choose(batch);
+        part.choose(&sea.scattering, batch);
         land.count = 0;
         if let Some(sheet) = facet_surface.land() {
             let from =

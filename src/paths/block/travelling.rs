@@ -19,14 +19,15 @@ use crate::scattering::bragg::group::{GROUP, Looks};
 use crate::scattering::bragg::{BraggLines, Mechanism};
 use crate::scattering::facets::Phases;
 use crate::scattering::lanes::Batch;
+use crate::scattering::water::WaterScattering;
 
 /// What a tile is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     /// All that scatters, phases at rest.
     Still,
-    /// Bragg waves.
-    Bragg,
+    /// Bragg waves; a mode of their tilts where facets are of Gaussian amplitude.
+    Bragg(usize),
     /// Specular points.
     Specular,
     /// A mechanism whose phases are forgotten.
@@ -35,16 +36,26 @@ pub(super) enum Part {
 
 impl Part {
     /// Takes the phasors of the other parts away.
-    pub fn choose(self, batch: &mut Batch) {
+    pub fn choose(self, water: &WaterScattering, batch: &mut Batch) {
         let gone = match self {
             Self::Still => 0..0,
-            Self::Bragg => 0..1,
+            Self::Bragg(_) => 0..1,
             Self::Specular => 1..batch.phasor.len(),
             Self::Forgetting(_) => 0..batch.phasor.len(),
         };
         batch.phasor[gone].as_flattened_mut().iter_mut().for_each(|row| row.fill(0.0));
-        if let Self::Forgetting(mechanism) = self {
-            batch.phasor[mechanism][0].fill(1.0);
+        let mode = match self {
+            Self::Bragg(mode) => Some(mode),
+            Self::Forgetting(process) => process.checked_sub(1),
+            Self::Still | Self::Specular => None,
+        };
+        if let Some(share) = mode.and_then(|mode| water.shares_of(mode)) {
+            for (tilt, [re, im]) in batch.phasor.iter_mut().skip(1).enumerate() {
+                re.fill(share(tilt) as f32);
+                im.fill(0.0);
+            }
+        } else if let Self::Forgetting(process) = self {
+            batch.phasor[process][0].fill(1.0);
         }
     }
 
@@ -52,7 +63,7 @@ impl Part {
     pub fn mechanism(self) -> Option<Mechanism> {
         match self {
             Self::Still | Self::Forgetting(_) => None,
-            Self::Bragg => Some(Mechanism::Bragg),
+            Self::Bragg(_) => Some(Mechanism::Bragg),
             Self::Specular => Some(Mechanism::Specular),
         }
     }
@@ -64,7 +75,7 @@ impl SeaPlan {
         let several = self.lanes.phases() != Phases::Single && self.scattering.mechanisms() > 1;
         match (self.scattering.decorrelates(), self.scattering.travelling().is_some()) {
             (true, _) => Part::Forgetting(usize::from(several)),
-            (false, true) => Part::Bragg,
+            (false, true) => Part::Bragg(0),
             (false, false) => Part::Still,
         }
     }
@@ -72,9 +83,10 @@ impl SeaPlan {
     /// What else there is of a tile, which has specular points that count or not.
     pub(super) fn part_after(&self, part: Part, reflects: impl FnOnce() -> bool) -> Option<Part> {
         match part {
-            Part::Bragg => reflects().then_some(Part::Specular),
+            Part::Bragg(mode) if mode + 1 < self.scattering.travelling_modes() => Some(Part::Bragg(mode + 1)),
+            Part::Bragg(_) => reflects().then_some(Part::Specular),
             Part::Still | Part::Specular | Part::Forgetting(0) => None,
-            Part::Forgetting(own) if own + 1 < self.scattering.mechanisms() => {
+            Part::Forgetting(own) if own + 1 < self.scattering.processes() => {
                 Some(Part::Forgetting(own + 1))
             }
             Part::Forgetting(_) => reflects().then_some(Part::Forgetting(0)),
@@ -113,7 +125,9 @@ impl PathGenerator {
         for from in (0..tile.count).step_by(GROUP) {
             let keys = &keys[from..tile.count.min(from + GROUP)];
             if let Some((lines, mechanism)) = lines {
-                variant.run(TurnGroup { lines, mechanism, from, keys, ends, times, turns, turned });
+                let mode = if let Part::Bragg(mode) = *part { mode } else { 0 };
+                let of = (mechanism, mode);
+                variant.run(TurnGroup { lines, of, from, keys, ends, times, turns, turned });
             } else if let Part::Forgetting(mechanism) = *part {
                 let waves = forgetting.waves(&sea.scattering, mechanism, keys, sea.patch.facets);
                 variant.run(SumWaves { waves: &waves, times, out: &mut *turns });
@@ -132,7 +146,8 @@ impl PathGenerator {
 /// Turns a group of facets of a tile.
 struct TurnGroup<'a> {
     lines: &'a BraggLines,
-    mechanism: Mechanism,
+    /// What, and which mode of it.
+    of: (Mechanism, usize),
     /// Its first facet.
     from: usize,
     keys: &'a [[i64; 2]],
@@ -149,7 +164,7 @@ impl Task for TurnGroup<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { lines, mechanism, from, keys, ends, times, turns, turned } = self;
+        let Self { lines, of: (mechanism, mode), from, keys, ends, times, turns, turned } = self;
         let mut looks: [Looks; 2] = [[[0.0; GROUP]; 3]; 2];
         for (looks, paths) in looks.iter_mut().zip(ends) {
             for ((look, scattered), incident) in looks.iter_mut().zip(&paths.scattered).zip(&paths.incident) {
@@ -159,7 +174,7 @@ impl Task for TurnGroup<'_> {
                 }
             }
         }
-        BlockPhasors { lines, mechanism, keys, looks: &looks, times, out: &mut *turns }.run();
+        BlockPhasors { lines, mechanism, mode, keys, looks: &looks, times, out: &mut *turns }.run();
         put(from, turns, turned);
     }
 }

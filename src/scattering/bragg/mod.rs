@@ -71,6 +71,8 @@ pub struct Setting<'a> {
     pub cut_radpm: Option<f64>,
     /// Time in which phasors are forgotten whatever the waves, s.
     pub decorrelation_s: Option<f64>,
+    /// Whether facets are of Gaussian amplitude.
+    pub gaussian: bool,
     /// Seed of the facets.
     pub seed: u64,
 }
@@ -125,6 +127,7 @@ impl BraggLines {
         let least_radps = LEAST_STEP * dispersion.angular_frequency_rad_s(2.0 * k);
         let step_radps = (COMPONENTS_PER_CELL * widest_radps / COMPONENTS).max(least_radps);
         let [east, north] = setting.drift_mps;
+        let comb = Comb::new(step_radps);
         Self {
             wavenumber_radpm: k,
             dispersion,
@@ -139,7 +142,7 @@ impl BraggLines {
                 cos * sin * (up - cross),
                 sin * sin * up + cos * cos * cross,
             ],
-            comb: Comb::new(step_radps),
+            comb: if setting.gaussian { comb.gaussian() } else { comb },
             seed: stream(setting.seed, Room::FacetBragg, 0, 0).next_u64(),
         }
     }
@@ -180,22 +183,26 @@ impl BraggLines {
         lines.filter(|line| line.amplitude != 0.0).map(reach).fold(0.0, f64::max)
     }
 
-    /// Random number of the facet with a global key.
+    /// Random number of a mode of the facet with a global key; there is one mode but of Gaussian facets.
     #[inline(always)]
-    fn number_of(&self, key: [i64; 2]) -> u64 {
-        mixed(mixed(self.seed, key[0].cast_unsigned()), key[1].cast_unsigned())
+    fn number_of(&self, key: [i64; 2], mode: usize) -> u64 {
+        let own = mixed(mixed(self.seed, key[0].cast_unsigned()), key[1].cast_unsigned());
+        if mode == 0 { own } else { mixed(own, mode as u64) }
     }
 
-    /// What turns the specular part and the Bragg part of the facet with a global key, `t_s` after pulse 0,
-    /// for unit directions from the transmitter and to the receiver.
-    pub fn phasors(&self, key: [i64; 2], (incident, scattered): (DVec3, DVec3), t_s: f64) -> [Complex64; 2] {
-        let facet = self.number_of(key);
-        let phasor = |mechanism: Mechanism| {
-            let [first, second] = self.lines(mechanism, incident, scattered);
-            let of = |line, number| self.comb.phasor(facet, number, line, t_s);
-            of(first, mechanism.number()) + of(second, mechanism.number() + 1)
-        };
-        [phasor(Mechanism::Specular), phasor(Mechanism::Bragg)]
+    /// What turns a part of the facet with a global key, `t_s` after pulse 0, for unit directions from the
+    /// transmitter and to the receiver: specular points, or a mode of the Bragg waves.
+    pub fn phasor(
+        &self,
+        (mechanism, mode): (Mechanism, usize),
+        key: [i64; 2],
+        (incident, scattered): (DVec3, DVec3),
+        t_s: f64,
+    ) -> Complex64 {
+        let facet = self.number_of(key, mode);
+        let [first, second] = self.lines(mechanism, incident, scattered);
+        let of = |line, number| self.comb.phasor(facet, number, line, t_s);
+        of(first, mechanism.number()) + of(second, mechanism.number() + 1)
     }
 }
 

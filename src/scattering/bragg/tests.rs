@@ -23,6 +23,7 @@ pub(super) fn lines(towards_deg: f64, facet_m: f64, drift_mps: [f64; 2], tilts: 
         resolved_radpm: std::f64::consts::PI / facet_m,
         cut_radpm: Some((std::f64::consts::PI / facet_m).max(k / 3.0)),
         decorrelation_s: None,
+        gaussian: false,
         seed: 1,
     };
     BraggLines::new(&setting, tilts)
@@ -93,7 +94,9 @@ fn what_the_map_does_not_resolve_is_in_the_width() {
 #[test]
 fn facets_are_random_and_the_same_at_any_time_and_place() {
     let lines = lines(0.0, 1.0, [0.0; 2], [0.0; 2]);
-    let at = |key: [i64; 2], t_s: f64| lines.phasors(key, from_east(), t_s);
+    let at = |key: [i64; 2], t_s: f64| {
+        [Mechanism::Specular, Mechanism::Bragg].map(|of| lines.phasor((of, 0), key, from_east(), t_s))
+    };
     assert_eq!(at([3, -4], 1.5), at([3, -4], 1.5));
     let (mut power, mut mean, mut neighbours) = ([0.0; 2], [Complex64::ZERO; 2], Complex64::ZERO);
     let count = 4000;
