@@ -198,7 +198,7 @@ fn blocks_of_grazing_and_following_seas() {
 /// Nodes are functions of time, evaluated when a pulse is emitted, in the channels that it fills, with phases
 /// as they are then: intervals that differ (of two dozens, too, and by whole intervals), polarisations that
 /// alternate, facets that forget their phases (one tilt and nine), all of them at once, with waves that
-/// travel and a patch that follows.
+/// travel, facets of Gaussian amplitude (at rest, forgotten and travelling) and a patch that follows.
 #[test]
 fn blocks_follow_stagger_alternation_and_phases_that_are_forgotten() {
     let irregular = "[1500, 1000, 12000, 1200, 3000]";
@@ -206,12 +206,16 @@ fn blocks_follow_stagger_alternation_and_phases_that_are_forgotten() {
     let stagger = ("radar.pri_us", "[4400, 4600, 4500]");
     let forgets = ("sea.scattering.decorrelation_ms", "10.0");
     let travelling = ("sea.scattering.bragg", "travelling");
+    let gaussian = ("sea.scattering.speckle", "gaussian");
     for (name, more) in some_of([
         ("mars-1.toml", &[stagger, alternating, forgets][..]),
         ("mars-1.toml", &[stagger]),
         ("mars-1.toml", &[alternating]),
         ("mars-1.toml", &[forgets]),
         ("mars-1.toml", &[forgets, ("sea.scattering.tilt_average", "true")]),
+        ("mars-1.toml", &[travelling, gaussian, ("sea.scattering.tilt_average", "true")]),
+        ("mars-1.toml", &[gaussian, forgets, ("sea.scattering.tilt_average", "true")]),
+        ("mars-1.toml", &[gaussian]),
         ("mars-1.toml", &[("radar.pri_us", irregular), travelling]),
         ("mars-live.toml", &[stagger, alternating]),
     ]) {

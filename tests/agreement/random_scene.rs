@@ -16,6 +16,8 @@ use super::random_ends::{emitters, more_ends};
 const LIGHT_MPS: f64 = 299_792_458.0;
 /// Keeps draws of slow time apart from those of the rest.
 const SLOW_TIME: u64 = 0x510;
+/// And those of the amplitudes of facets.
+const SPECKLE: u64 = 0x5BEC;
 /// And those of echoes that overlap.
 const OVERLAP: u64 = 0x0E1A;
 /// And those of further transmitters and receivers.
@@ -206,8 +208,9 @@ pub fn random_scene(seed: u64) -> RandomScene {
     let mut text = format!("# Random scene {seed}: {family}{partner}.\n");
     scene(&mut draw, &geometry, &mut text);
     // Draws of their own, so that the rest of a scene is what it was without them.
-    let mut slow = Draw(ChaCha8Rng::seed_from_u64(seed ^ SLOW_TIME));
-    sea(&mut draw, &mut slow, extremes, &mut text);
+    let [mut slow, mut speckle] =
+        [SLOW_TIME, SPECKLE].map(|salt| Draw(ChaCha8Rng::seed_from_u64(seed ^ salt)));
+    sea(&mut draw, [&mut slow, &mut speckle], extremes, &mut text);
     on_the_sea(&mut draw, &geometry, &mut text);
     radar(&mut draw, &mut slow, (&geometry, &signal), &mut text);
     platforms(&mut draw, &geometry, &mut text);
@@ -518,7 +521,7 @@ fn antennas(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
     }
 }
 
-fn sea(draw: &mut Draw, slow: &mut Draw, extremes: Extremes, out: &mut String) {
+fn sea(draw: &mut Draw, [slow, speckle]: [&mut Draw; 2], extremes: Extremes, out: &mut String) {
     let spectrum = draw.one(&[
         "elfouhaily",
         "elfouhaily",
@@ -540,13 +543,21 @@ fn sea(draw: &mut Draw, slow: &mut Draw, extremes: Extremes, out: &mut String) {
         line(format!("spreading = \"{}\"", draw.one(&["mitsuyasu", "elfouhaily"])));
     }
     line("[sea.scattering]".to_owned());
-    if draw.chance(0.2) {
+    let paper = draw.chance(0.2);
+    if paper {
         line("splitting = \"mars2007\"".to_owned());
     } else if draw.chance(0.35) {
         line("tilt_average = true".to_owned());
     }
-    if draw.chance(0.25) {
+    let single = draw.chance(0.25);
+    if single {
         line("phases = \"single\"".to_owned());
+    }
+    if speckle.chance(0.25) {
+        line("speckle = \"gaussian\"".to_owned());
+        if !(paper || single) && speckle.chance(0.5) {
+            line(format!("tilt_modes = {}", speckle.one(&[1u8, 6, 9])));
+        }
     }
     if draw.chance(0.1) {
         line("gram_charlier = true".to_owned());
