@@ -4,11 +4,12 @@
 //! Nothing here is refused. The rules:
 //!
 //! * A patch should be as long as the actual spectrum asks ([`sampling::least_length_m`]).
-//! * A resolution cell should hold [`sampling::LEAST_FACETS_PER_CELL`] facets, and no facet should be longer
-//!   than it. Along ground range the cell is `c / (B |g|)`, with `g` the horizontal gradient of the path over
-//!   the first pair at the centre of the patch: `c / (2 B sin theta)` for one antenna looking down at an
-//!   incidence of theta. How fine a processor makes the cell in azimuth is not known here: [`AZIMUTH_M`] is
-//!   assumed, as fine as antennas of metres allow.
+//! * A resolution cell should hold [`sampling::LEAST_FACETS_PER_CELL`] facets of random phase or one of
+//!   Gaussian amplitude, and no facet should be longer than it. Along ground range the cell is
+//!   `c / (B |g|)`, with `g` the horizontal gradient of the path over the first pair at the centre of the
+//!   patch: `c / (2 B sin theta)` for one antenna looking down at an incidence of theta. How fine a processor
+//!   makes the cell in azimuth is what `scene.azimuth_resolution_m` says.
+//! * Of facets of Gaussian amplitude at grazing angles, modes of the tilts should be [`GRAZING_MODES`].
 //! * The window should hold the patch, and every antenna should see it: on a curved earth it lies before the
 //!   [`horizon`].
 //! * Waves of a ship should be long enough for the facets and the band limit, and the ship should cross the
@@ -43,6 +44,7 @@ use crate::pipeline::stages::PulseFactory;
 use crate::radar::fault::{RadarError, mounts};
 use crate::radar::waveform::Waveform;
 use crate::radar::window::Window;
+use crate::scene::sea::Speckle;
 use crate::scene::{Patch, Scene, Sea};
 use crate::sea::realise::Realised;
 use crate::sea::spectrum::moments::Moments;
@@ -53,8 +55,9 @@ use crate::units::{SPEED_OF_LIGHT_MPS, neat};
 
 /// Power that may come and go with the edge rows of a following patch, dB below all that is received.
 pub const EDGE_BUDGET_DB: f64 = -60.0;
-/// Assumed extent of a resolution cell in azimuth, m.
-pub const AZIMUTH_M: f64 = 1.0;
+/// Modes of the tilts without which HH is more than a few tenths of a decibel too low below an angle, sine.
+pub const GRAZING_MODES: usize = 6;
+const GRAZING: f64 = 0.2;
 /// Points along a side of the patch at which geometry is taken.
 pub const LATTICE: usize = 33;
 /// Longest waves that count for the significant height, rad/m: 60 km.
@@ -84,6 +87,8 @@ pub struct Adequacy {
     /// Finest cell in ground range at the centre of the patch over the instants looked at, m; `None` where
     /// range does not resolve the patch there.
     pub ground_range_m: Option<f64>,
+    /// Its extent in azimuth, `scene.azimuth_resolution_m`.
+    pub azimuth_resolution_m: f64,
     /// Facets in that cell.
     pub facets_per_cell: Option<f64>,
     /// Least share of the patch whose whole echo lies in the window, over the instants looked at.
@@ -154,6 +159,7 @@ pub fn adequacy(prepared: &Prepared) -> Result<Option<Adequacy>, BuildErrors> {
         least_length_m: sampling::least_length_m(spectrum.as_ref(), sampling::BAND_STEP),
         facets: sea.patch.len(),
         ground_range_m: None,
+        azimuth_resolution_m: sea.azimuth_resolution_m,
         facets_per_cell: None,
         share_in_window: 1.0,
         edge_db: None,
@@ -179,25 +185,42 @@ pub fn adequacy(prepared: &Prepared) -> Result<Option<Adequacy>, BuildErrors> {
         assess(at, sea, waveform.as_ref(), &mut known, &mut adequacy)?;
     }
     ships::ships(prepared, sea, &mut adequacy)?;
+    if let Speckle::Gaussian { tilt_modes } = sea.scattering.speckle
+        && sea.scattering.tilt_average
+        && tilt_modes < GRAZING_MODES
+        && known.least_sine.is_some_and(|sine| sine < GRAZING)
+    {
+        adequacy.warnings.push(format!(
+            "the sea is looked at from {:.1} degrees above it: with sea.scattering.tilt_modes = {tilt_modes} its echo is up to 2 dB too weak \
+             in HH and HV; {GRAZING_MODES} would do",
+            known.least_sine.unwrap_or_default().asin().to_degrees()
+        ));
+    }
     if let Some(ground_range_m) = adequacy.ground_range_m {
         let facet_m = sea.patch.facet_m;
-        let facets = sampling::facets_per_cell(facet_m, [ground_range_m, AZIMUTH_M]);
+        let azimuth_m = sea.azimuth_resolution_m;
+        let (cell_m, speckle) = ([ground_range_m, azimuth_m], sea.scattering.speckle);
+        let facets = sampling::facets_per_cell(facet_m, cell_m);
         adequacy.facets_per_cell = Some(facets);
-        if facets < sampling::LEAST_FACETS_PER_CELL {
-            let enough_m = facet_m * (facets / sampling::LEAST_FACETS_PER_CELL).sqrt();
+        let enough_m = sampling::longest_facet_m(cell_m, speckle);
+        // A millimetre more is none.
+        if facet_m > enough_m + 1e-3 {
             // Two digits, never more than would do.
             let unit_m = 10f64.powf(enough_m.log10().floor() - 1.0);
             let at_most_m = neat((enough_m / unit_m).floor() * unit_m);
             let more = (facet_m / at_most_m).powi(2);
+            let rule = match speckle {
+                Speckle::RandomPhase => format!(
+                    "below {} of random phase its speckle is not Rayleigh's; sea.scattering.speckle = \"gaussian\" needs one, of at most \
+                     {:.2} m, or",
+                    sampling::LEAST_FACETS_PER_CELL,
+                    cell_m[0].min(cell_m[1])
+                ),
+                Speckle::Gaussian { .. } => "a facet should not be longer than it;".to_owned(),
+            };
             adequacy.warnings.push(format!(
-                "{facets:.1} facets in a resolution cell of {ground_range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): \
-                 below {} its speckle is not Rayleigh's; scene.facet_m of at most {at_most_m} would do, with {more:.1} times as many facets",
-                sampling::LEAST_FACETS_PER_CELL
-            ));
-        }
-        if facet_m > ground_range_m {
-            adequacy.warnings.push(format!(
-                "facets of {facet_m} m are longer than a resolution cell of {ground_range_m:.2} m ground range"
+                "{facets:.1} facets in a resolution cell of {ground_range_m:.2} m ground range x {azimuth_m} m azimuth \
+                 (scene.azimuth_resolution_m): {rule} scene.facet_m of at most {at_most_m} would do, with {more:.1} times as many facets"
             ));
         }
     }
@@ -208,6 +231,8 @@ pub fn adequacy(prepared: &Prepared) -> Result<Option<Adequacy>, BuildErrors> {
 #[derive(Default)]
 struct Known<'a> {
     outside: bool,
+    /// Of the grazing angle of the first pair in the middle of the patch.
+    least_sine: Option<f64>,
     beyond_horizon: Vec<&'a str>,
 }
 
@@ -230,6 +255,8 @@ fn assess<'a>(
     let key = [0, 1].map(|axis| patch.first[axis] + (patch.facets[axis] / 2) as i64);
     let [x_m, y_m] = patch.centre_m(key);
     let middle = scene.frame.above_sea(x_m, y_m, 0.0);
+    let sines = first.iter().map(|end| toward(*end, middle).to_array()[2].max(0.0));
+    known.least_sine = sines.chain(known.least_sine).reduce(f64::min);
     let gradient = first.iter().fold(Vector::<Enu>::ZERO, |sum, end| sum + toward(*end, middle));
     let [east, north, _] = gradient.to_array();
     let ground_range_m = SPEED_OF_LIGHT_MPS / (bandwidth_hz * east.hypot(north));

@@ -204,9 +204,14 @@ impl<'a> Section<'a> {
 
     /// A number of a table of this table, without a word about faults.
     pub(super) fn peek_in(&self, table: &Key, key: &'static Key) -> Option<f64> {
+        self.within(table)?.peek(key)
+    }
+
+    /// A table of this table, to be looked into without a word about faults.
+    pub(super) fn within(&self, table: &Key) -> Option<Section<'_>> {
         let Kind::Section(of) = table.kind else { return None };
         let entry = self.entry(table.name)?;
-        Section::new(self.reader, of, String::new(), entry.at, entry.node.table()?).peek(key)
+        Some(Section::new(self.reader, of, String::new(), entry.at, entry.node.table()?))
     }
 
     /// A whole number; `None` when absent or faulty.
@@ -338,7 +343,7 @@ impl<'a> Section<'a> {
     }
 
     /// Whether a key is written as this word; it is then asked for.
-    fn is_word(&self, key: &'static Key, word: &str) -> bool {
+    pub(super) fn is_word(&self, key: &'static Key, word: &str) -> bool {
         let is = self.entry(key.name).is_some_and(|entry| entry.node.text() == Some(word));
         if is {
             self.ask(key);

@@ -6,12 +6,14 @@
 //! the same waves is. Nine of them are not needed: `B_n` is smooth in the tilt, so it is expanded in the
 //! polynomials that are orthonormal under the rule of the tilts,
 //!
-//! `sum_n B_n gamma_n ~ sum_r (sum_n B_n u_rn) g_r`,  `u_rn = sqrt(w_n) He_i(u_n) He_j(c_n) / sqrt(i! j!)`
+//! `sum_n B_n gamma_n ~ sum_r (sum_n B_n u_rn) g_r`,
+//! `u_rn = sqrt(w_n) He_i(t_n) He_j(c_n) / sqrt(i! j!)`
 //!
-//! with `u_n`, `c_n` the tilt along and across the wind in standard deviations, `w_n` the weight, and the
+//! with `t_n`, `c_n` the tilt along and across the wind in standard deviations, `w_n` the weight, and the
 //! **mode** `r` of degree `(i, j)` in the order `00, 10, 01, 20, 11, 02, 21, 12, 22`. The matrix of nine modes
-//! is orthogonal: nothing is left out. Three modes (level, and both tilts) have all but 0.2 dB of the power of
-//! every polarisation up to 75 degrees of incidence and 1 dB of HH at 85; six have all but 0.1 dB there.
+//! is orthogonal: nothing is left out. Three modes (level, and both tilts) have all but 0.2 dB of the power
+//! from 30 to 75 degrees of incidence (0.5 dB of the cross-polarised), and all but 1 dB of HH at 85; six have
+//! all but 0.1 dB there.
 //!
 //! ```
 //! use nereus::scattering::modes::TiltModes;
@@ -24,8 +26,7 @@ use num_complex::Complex64;
 use super::two_scale::TILTS;
 
 /// Degrees along and across the wind of the modes, the least first.
-const DEGREES: [[usize; 2]; TILTS] =
-    [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2], [2, 1], [1, 2], [2, 2]];
+const DEGREES: [[usize; 2]; TILTS] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2], [2, 1], [1, 2], [2, 2]];
 
 /// How the phasors of tilts follow from a few processes.
 #[derive(Clone, Debug, PartialEq)]

@@ -19,6 +19,8 @@ pub struct Sea {
     pub patch: Patch,
     /// Whether they stay.
     pub place: PatchPlace,
+    /// Resolution in azimuth of the processor behind, m: facets are judged by it.
+    pub azimuth_resolution_m: f64,
     /// Whether crests are as long as troughs.
     pub waves: Waves,
     /// How facets scatter.
@@ -40,6 +42,7 @@ impl Sea {
             realisation: Realisation::Drawn { averaging: Averaging::default() },
             patch,
             place: PatchPlace::Fixed,
+            azimuth_resolution_m: 1.0,
             waves: Waves::default(),
             scattering: FacetScattering::default(),
             shadow: None,

@@ -63,8 +63,7 @@ fn moments(facet_m: f64, speckle: Speckle, incidence_deg: f64) -> Moments {
     let (mut covariance, mut count) = (Complex64::ZERO, 0.0);
     for seed in 1..=3 {
         let mut water: Sea = sea((CELLS as f64 * CELL_M / facet_m).round() as usize, facet_m, 0.6);
-        water.scattering =
-            FacetScattering { speckle, breaking: Breaking::Off, ..FacetScattering::default() };
+        water.scattering = FacetScattering { speckle, breaking: Breaking::Off, ..FacetScattering::default() };
         let mut scene = Scene { sea: Some(water), targets: Vec::new(), seed, ..scene() };
         scene.radar.carrier_hz = 10e9;
         scene.radar.emissions = PulseTimes::uniform(1.0 / LAG_S).unwrap();

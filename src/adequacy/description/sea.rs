@@ -1,7 +1,7 @@
 //! A sea in words.
 
 use super::{Described, LAND, described};
-use crate::adequacy::{AZIMUTH_M, Adequacy};
+use crate::adequacy::Adequacy;
 use crate::inputs::shown;
 use crate::scene::sea::{
     Averaging, BraggWaves, Breaking, FacetScattering, LightWinds, Modulation, PatchPlace, Permittivity,
@@ -136,10 +136,11 @@ pub fn rows(adequacy: &Adequacy) -> Vec<Described> {
         ),
         None => described("waves", "none: the sea is flat"),
     });
+    let azimuth_m = adequacy.azimuth_resolution_m;
     rows.push(match (adequacy.ground_range_m, adequacy.facets_per_cell) {
         (Some(range_m), Some(facets)) => described(
             "resolution cell",
-            format!("{range_m:.2} m ground range x {AZIMUTH_M} m azimuth (assumed): {facets:.1} facets"),
+            format!("{range_m:.2} m ground range x {azimuth_m} m azimuth: {facets:.1} facets"),
         ),
         _ => described("resolution cell", "range does not resolve the ground at the centre of the patch"),
     });

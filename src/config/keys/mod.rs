@@ -40,6 +40,8 @@ pub enum Kind {
         max: f64,
         /// Whether the smallest value itself is excluded.
         above: bool,
+        /// A word that may stand in its place.
+        or: Option<&'static str>,
     },
     /// A list of numbers.
     Numbers {
@@ -142,10 +144,13 @@ use Kind::{
 };
 
 const fn number(unit: &'static str, min: f64, max: f64) -> Kind {
-    Kind::Number { unit, min, max, above: false }
+    Kind::Number { unit, min, max, above: false, or: None }
 }
 const fn above(unit: &'static str, min: f64, max: f64) -> Kind {
-    Kind::Number { unit, min, max, above: true }
+    Kind::Number { unit, min, max, above: true, or: None }
+}
+const fn number_or(word: &'static str, unit: &'static str, min: f64, max: f64) -> Kind {
+    Kind::Number { unit, min, max, above: false, or: Some(word) }
 }
 const fn vector(unit: &'static str, entries: usize, limit: f64) -> Kind {
     Kind::Numbers { unit, least: entries, most: entries, min: -limit, max: limit }
@@ -287,13 +292,12 @@ impl Kind {
     pub fn allowed(&self) -> String {
         let of = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {unit}") };
         match self {
-            Self::Number { unit, min, max, above } => {
+            Self::Number { unit, min, max, above, or } => {
                 let (min, max) = (figure(*min), figure(*max));
-                if *above {
-                    format!("a number above {min}, up to {max}{}", of(unit))
-                } else {
-                    format!("a number from {min} to {max}{}", of(unit))
-                }
+                let range =
+                    if *above { format!("above {min}, up to {max}") } else { format!("from {min} to {max}") };
+                let word = or.map_or(String::new(), |word| format!(", or \"{word}\""));
+                format!("a number {range}{}{word}", of(unit))
             }
             Self::Numbers { unit, least, most, min, max } => {
                 let entries = if least == most { format!("{least}") } else { format!("{least} to {most}") };

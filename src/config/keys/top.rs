@@ -35,7 +35,8 @@ tables! {
         SEED "seed", count(0, u64::MAX), Count(0), "Seed of every random stream.";
         PATCH "patch", Choice(words::<PatchKind>), Word("fixed"), "With [sea]: whether the patch of sea that is modelled stays, or follows a point as the platforms fly on.";
         PATCH_SIZE_M "patch_size_m", Kind::Numbers { unit: "m", least: 2, most: 2, min: 1e-4, max: FAR_M }, Means("required with [sea]"), "Length of the patch along East and North, whole facets. The waves repeat after it.";
-        FACET_M "facet_m", number("m", 1e-4, 1e5), Means("required with [sea]"), "Side of a facet of the sea.";
+        FACET_M "facet_m", number_or("auto", "m", 1e-4, 1e5), Means("required with [sea]"), "Side of a facet of the sea, or \"auto\": the largest that divides the patch and is small enough for speckle in a cell of c/(2 B) by azimuth_resolution_m, and for 12 facets along the wave at the peak of a sea that is fully developed.";
+        AZIMUTH_RESOLUTION_M "azimuth_resolution_m", above("m", 0.0, 1e5), default(1.0), "With [sea]: resolution in azimuth of the processor that follows. Facets are judged and chosen by it; the echo does not depend on it.";
         PATCH_CENTRE_M "patch_centre_m", vector("m", 2, FAR_M), Zeros, "fixed: centre of the patch, East and North, to the nearest facet.";
         PATCH_FOLLOW "patch_follow", Section(&patch_follow::TABLE), Means("the point at which the first receiver aims; required where it aims at none"), "follow: the point that the patch stays around.";
     }

@@ -259,8 +259,10 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         .collect();
     let patch = scene.as_ref().map(|section| {
         sources.check_start(section, &time, root.has(&keys::root::AIS));
-        patch::given(section, root.has(&keys::root::SEA), &ground, &platforms)
+        let longest_m = |azimuth_m| patch::longest_facet_m(&root, azimuth_m);
+        patch::given(section, longest_m, root.has(&keys::root::SEA), &ground, &platforms)
     });
+    let azimuth_m = patch.as_ref().and_then(|patch| patch.azimuth_m);
     let mut clocks = clock::Given::default();
     let mut calibration = Some(Vec::new());
     let radar = radar::radar(&root, &ground, &platforms, &mut clocks, &mut calibration);
@@ -276,6 +278,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         &root,
         patch,
         place,
+        azimuth_m,
         root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ),
         radar.as_ref().map(|radar| 1.0 / radar.sends().mean_prf_hz()),
     );

@@ -1,22 +1,27 @@
 //! The patch of sea: its facets, and whether it stays.
 
+use std::f64::consts::TAU;
+
 use super::antenna::{self, AimKeys, aim_keys};
 use super::place::SurfaceKeys;
 use super::{Ground, Names};
-use crate::config::choices::{Followed, PatchKind};
+use crate::config::choices::{Followed, PatchKind, SpeckleKind};
 use crate::config::error::Problem;
 use crate::config::keys::{self, MOST_FACETS};
 use crate::config::section::Section;
 use crate::scene::Patch;
 use crate::scene::patch::{MAX_SIDE, PatchError};
 use crate::scene::radar::{Aim, AimFrom, Pointing, Radar};
-use crate::scene::sea::PatchPlace;
+use crate::scene::sea::{PatchPlace, Speckle};
+use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// The patch by `[scene]`.
 pub(super) struct PatchGiven {
     patch: Option<Patch>,
     /// `None` where it is faulty.
     place: Option<PlaceGiven>,
+    /// Resolution in azimuth that facets are judged by, m.
+    pub azimuth_m: Option<f64>,
 }
 
 enum PlaceGiven {
@@ -26,18 +31,72 @@ enum PlaceGiven {
     FollowReceiver,
 }
 
-/// Reads the keys of the patch; without a sea they are faults.
-pub(super) fn given(section: &Section<'_>, has_sea: bool, ground: &Ground, platforms: &Names) -> PatchGiven {
-    use keys::scene::{FACET_M, PATCH, PATCH_CENTRE_M, PATCH_FOLLOW, PATCH_SIZE_M};
+/// The longest facet that will do, m, by what is written of radar and sea.
+pub(super) fn longest_facet_m(root: &Section<'_>, azimuth_m: f64) -> f64 {
+    use crate::sea::GRAVITY_MPS2;
+    use crate::sea::spectrum::sampling::{FACETS_PER_PEAK_WAVE, longest_facet_m};
+    let of_radar = |radar: Section<'_>| {
+        let own_hz = radar.peek_in(&keys::radar::WAVEFORM, &keys::waveform::BANDWIDTH_HZ);
+        own_hz.or_else(|| radar.peek(&keys::radar::SAMPLE_RATE_HZ))
+    };
+    let bandwidth_hz = root.within(&keys::root::RADAR).and_then(of_radar).unwrap_or(f64::INFINITY);
+    let of_sea = |sea: Section<'_>| sea.peek_choice_in(&keys::sea::SCATTERING, &keys::scattering::SPECKLE);
+    let speckle = match root.within(&keys::root::SEA).and_then(of_sea) {
+        Some(SpeckleKind::Gaussian) => Speckle::Gaussian { tilt_modes: 1 },
+        Some(SpeckleKind::RandomPhase) | None => Speckle::RandomPhase,
+    };
+    let range_m = 0.5 * SPEED_OF_LIGHT_MPS / bandwidth_hz;
+    // Length of the wave at Elfouhaily's peak, fully developed, m.
+    let wave_m = root
+        .peek_in(&keys::root::SEA, &keys::sea::WIND_MPS)
+        .map_or(f64::INFINITY, |mps| TAU * (mps / 0.84).powi(2) / GRAVITY_MPS2);
+    longest_facet_m([range_m, azimuth_m], speckle).min(wave_m / FACETS_PER_PEAK_WAVE)
+}
+
+/// The largest facet of at most a length that divides both sides, without large primes, of which transforms
+/// are slow; sides count in millimetres.
+fn dividing_m(size_m: [f64; 2], at_most_m: f64) -> f64 {
+    let [mut a, mut b] = size_m.map(|side_m| (side_m * 1e3).round().clamp(1.0, 1e12) as u64);
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    let common_m = a as f64 / 1e3;
+    let smooth = |n: &u64| {
+        [2, 3, 5, 7].iter().fold(*n, |mut left, prime| {
+            while left % prime == 0 {
+                left /= prime;
+            }
+            left
+        }) == 1
+    };
+    let least = (common_m / at_most_m).ceil().clamp(1.0, 1e12) as u64;
+    common_m / (least..).find(smooth).unwrap_or(least) as f64
+}
+
+/// Reads the keys of the patch; without a sea they are faults. `longest_m` is the longest facet that will do
+/// for a resolution in azimuth.
+pub(super) fn given(
+    section: &Section<'_>,
+    longest_m: impl FnOnce(f64) -> f64,
+    has_sea: bool,
+    ground: &Ground,
+    platforms: &Names,
+) -> PatchGiven {
+    use keys::scene::{AZIMUTH_RESOLUTION_M, FACET_M, PATCH, PATCH_CENTRE_M, PATCH_FOLLOW, PATCH_SIZE_M};
     let follows = section.choice(&PATCH);
     let size_m = section.vector(&PATCH_SIZE_M);
-    let facet_m = section.number(&FACET_M);
+    let azimuth_m = section.number(&AZIMUTH_RESOLUTION_M);
+    let facet_m = if section.is_word(&FACET_M, "auto") {
+        size_m.zip(azimuth_m).map(|(size_m, azimuth_m)| dividing_m(size_m, longest_m(azimuth_m)))
+    } else {
+        section.number(&FACET_M)
+    };
     let centre_m = section.vector(&PATCH_CENTRE_M);
     let follow = section.section(&PATCH_FOLLOW).map(|section| follow(section, ground, platforms));
-    let all = [&PATCH, &PATCH_SIZE_M, &FACET_M, &PATCH_CENTRE_M, &PATCH_FOLLOW];
+    let all = [&PATCH, &PATCH_SIZE_M, &FACET_M, &AZIMUTH_RESOLUTION_M, &PATCH_CENTRE_M, &PATCH_FOLLOW];
     if !has_sea {
         section.idle(&all, "there is no [sea]");
-        return PatchGiven { patch: None, place: None };
+        return PatchGiven { patch: None, place: None, azimuth_m: None };
     }
     for key in [&PATCH_SIZE_M, &FACET_M].into_iter().filter(|key| !section.has(key)) {
         section.fault(key, Problem::Missing { allowed: key.kind.allowed() });
@@ -61,7 +120,7 @@ pub(super) fn given(section: &Section<'_>, has_sea: bool, ground: &Ground, platf
         (Some(size_m), Some(facet_m), Some(centre_m)) => facets(section, size_m, facet_m, centre_m),
         _ => None,
     };
-    PatchGiven { patch, place }
+    PatchGiven { patch, place, azimuth_m }
 }
 
 fn facets(section: &Section<'_>, size_m: [f64; 2], facet_m: f64, centre_m: [f64; 2]) -> Option<Patch> {

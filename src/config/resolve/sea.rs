@@ -30,6 +30,7 @@ pub(super) fn sea(
     root: &Section<'_>,
     patch: Option<Patch>,
     place: Option<PatchPlace>,
+    azimuth_resolution_m: Option<f64>,
     carrier_hz: Option<f64>,
     pri_s: Option<f64>,
 ) -> Option<Option<Sea>> {
@@ -69,6 +70,7 @@ pub(super) fn sea(
         realisation: realisation?,
         patch: patch?,
         place: place?,
+        azimuth_resolution_m: azimuth_resolution_m?,
         waves: waves?,
         scattering: scattering?,
         shadow: shadow?,

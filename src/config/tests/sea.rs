@@ -306,7 +306,7 @@ scene.patch_size_m: patch of 250 m along y is not a multiple of the facet of 100
 "#);
     insta::assert_snapshot!(faults(&[("scene.facet_m", "0"), ("scene.patch_size_m", "[-1, 250]")]), @r#"
 scene.patch_size_m: entry 0, -1, is out of range; allowed: a list of 2 numbers from 1e-4 to 1e8 m
-scene.facet_m: 0 is out of range; allowed: a number from 1e-4 to 100000 m
+scene.facet_m: 0 is out of range; allowed: a number from 1e-4 to 100000 m, or "auto"
 "#);
     insta::assert_snapshot!(faults(&[("scene.facet_m", "1e-3"), ("scene.patch_size_m", "[1e6, 1e6]")]), @r#"
 scene.patch_size_m: 1000000000 facets along x; allowed: at most 1048576
@@ -335,7 +335,7 @@ lost.toml: 5 faults
     let error = parse(&bare, Path::new("bare.toml"), &[]).unwrap_err();
     insta::assert_snapshot!(error.to_string(), @r#"
 bare.toml:5:2: scene.patch_size_m: is missing; required: a list of 2 numbers from 1e-4 to 1e8 m
-bare.toml:5:2: scene.facet_m: is missing; required: a number from 1e-4 to 100000 m
+bare.toml:5:2: scene.facet_m: is missing; required: a number from 1e-4 to 100000 m, or "auto"
 bare.toml: 2 faults
 "#);
 }

@@ -86,9 +86,7 @@ impl SeaPlan {
             Part::Bragg(mode) if mode + 1 < self.scattering.travelling_modes() => Some(Part::Bragg(mode + 1)),
             Part::Bragg(_) => reflects().then_some(Part::Specular),
             Part::Still | Part::Specular | Part::Forgetting(0) => None,
-            Part::Forgetting(own) if own + 1 < self.scattering.processes() => {
-                Some(Part::Forgetting(own + 1))
-            }
+            Part::Forgetting(own) if own + 1 < self.scattering.processes() => Some(Part::Forgetting(own + 1)),
             Part::Forgetting(_) => reflects().then_some(Part::Forgetting(0)),
         }
     }

@@ -291,7 +291,15 @@ mod tests {
                     let of = [(&plain, Mechanism::Specular, 0), (&plain, Mechanism::Bragg, 0)];
                     for (lines, mechanism, mode) in of.into_iter().chain([(&gaussian, Mechanism::Bragg, 2)]) {
                         let (keys, looks) = (&keys[..], &looks);
-                        variant.run(BlockPhasors { lines, mechanism, mode, keys, looks, times, out: &mut out });
+                        variant.run(BlockPhasors {
+                            lines,
+                            mechanism,
+                            mode,
+                            keys,
+                            looks,
+                            times,
+                            out: &mut out,
+                        });
                         let (mut off, mut power) = (0.0, 0.0);
                         for (pulse, [re, im]) in out.iter().enumerate() {
                             for (n, key) in keys.iter().enumerate() {

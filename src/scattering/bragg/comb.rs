@@ -131,8 +131,8 @@ fn share(bits: u32) -> f64 {
     f64::from(bits.cast_signed()) * (1.0 / (1u64 << 32) as f64) + 0.5
 }
 
-/// Natural logarithm of a number from 2^-33 to 1, within 1e-7 of it or of 1: `ln m = 2 artanh((m - 1)/(m + 1))`
-/// of the mantissa.
+/// Natural logarithm of a number from 2^-33 to 1, within 2e-7 of it or of 1:
+/// `ln m = 2 artanh((m - 1)/(m + 1))` of the mantissa.
 #[inline(always)]
 fn logarithm(x: f32) -> f32 {
     // From the root of a half to that of 2.

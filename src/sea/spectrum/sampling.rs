@@ -7,7 +7,8 @@
 //!   asymptotes of Fung and Lee's capillary spectrum, which meet at `Kc = Km 3^(1/(p-1))`:
 //!   `h_c = 4 sqrt[2 a0 Km sqrt 3/(9(p-1))]`, `X = h_R^2 (p-1)/(32 a0 Km)`,
 //!   `K_R = Km X^(2/(3(1-p)))` for `h_R <= h_c`, else `Km (X + 2 sqrt 3/9)^(2/(1-p))`; facets/m = `K_R/pi`.
-//! * Speckle needs at least [`LEAST_FACETS_PER_CELL`] facets in a resolution cell.
+//! * Speckle needs at least [`LEAST_FACETS_PER_CELL`] facets of random phase in a resolution cell, or one of
+//!   Gaussian amplitude; none may be longer than the cell.
 //!
 //! ```
 //! use nereus::scene::water::WindProfile;
@@ -20,18 +21,30 @@
 
 use super::Spectrum;
 use super::fung_lee::{CAPILLARY_SCALE_RAD_M, Capillary};
+use crate::scene::sea::Speckle;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// The usual step of wave number, in half-power bandwidths.
 pub const BAND_STEP: f64 = 0.25;
-/// Facets in a resolution cell below which its speckle is not Rayleigh's.
+/// Facets of random phase in a resolution cell below which its speckle is not Rayleigh's.
 pub const LEAST_FACETS_PER_CELL: f64 = 6.0;
+/// Facets along the wave at the peak of the spectrum, at least, where their size is chosen.
+pub const FACETS_PER_PEAK_WAVE: f64 = 12.0;
 
 /// Least length of a patch, m, whose wave-number step is `band_step` half-power bandwidths; 0 for a
 /// spectrum that is zero throughout.
 pub fn least_length_m(spectrum: &dyn Spectrum, band_step: f64) -> f64 {
     let [low, high] = spectrum.half_power_band_rad_m();
     if high > low { std::f64::consts::TAU / (band_step * (high - low)) } else { 0.0 }
+}
+
+/// Longest facet, m, of which a resolution cell of these sides holds enough, whatever is one scatterer.
+pub fn longest_facet_m(cell_m: [f64; 2], speckle: Speckle) -> f64 {
+    let within_m = cell_m[0].min(cell_m[1]);
+    match speckle {
+        Speckle::RandomPhase => (cell_m[0] * cell_m[1] / LEAST_FACETS_PER_CELL).sqrt().min(within_m),
+        Speckle::Gaussian { .. } => within_m,
+    }
 }
 
 /// Facets in a resolution cell.

@@ -32,28 +32,30 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod phasors;
+
 use std::sync::Arc;
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 
-use super::batch::{Batch, batch};
-use super::bragg::{BraggLines, Mechanism, Setting};
-use super::facets::{Facets, LengthError, Phases};
-use super::kind::clean::Clean;
-use super::kind::slick::Slick;
-use super::kind::turbulent_wake::{RatioError, TurbulentWake};
-use super::lanes::table::{BraggTable, Density, MOST_RELATIVE_ERROR};
-use super::lanes::{LaneModulation, LaneWater};
-use super::modes::TiltModes;
-use super::modulation::{self, TiltBias};
-use super::permittivity::{Model, PermittivityError, SeaWater};
-use super::speckle::{Speckle, WAVES, Wave};
-use super::two_rays::TwoRays;
-use super::two_scale::{Medium, Settings, TILTS, TwoScale};
 use crate::cpu::Variant;
 use crate::geometry::lanes::{Row, WideRow};
+use crate::scattering::batch::{Batch, batch};
+use crate::scattering::bragg::{BraggLines, Setting};
+use crate::scattering::facets::{Facets, LengthError, Phases};
+use crate::scattering::kind::clean::Clean;
+use crate::scattering::kind::slick::Slick;
+use crate::scattering::kind::turbulent_wake::{RatioError, TurbulentWake};
+use crate::scattering::lanes::table::{BraggTable, Density, MOST_RELATIVE_ERROR};
+use crate::scattering::lanes::{LaneModulation, LaneWater};
+use crate::scattering::modes::TiltModes;
+use crate::scattering::modulation::{self, TiltBias};
+use crate::scattering::permittivity::{Model, PermittivityError, SeaWater};
+use crate::scattering::speckle::Speckle;
 use crate::scattering::splitting::high_pass;
+use crate::scattering::two_rays::TwoRays;
+use crate::scattering::two_scale::{Medium, Settings, TwoScale};
 use crate::scene::sea::{self, BraggWaves, LightWinds, Permittivity, SlickRegion};
 use crate::scene::water::{Development, SpectrumKind, WindGiven, WindStrength};
 use crate::scene::{Sea, Water};
@@ -116,7 +118,7 @@ pub struct WaterScattering {
     tilt_variances: [f64; 2],
     permittivity: Complex64,
     wavenumber_radpm: f64,
-    pub(super) cut_radpm: Option<f64>,
+    pub(in crate::scattering) cut_radpm: Option<f64>,
     spectrum: Arc<dyn Spectrum>,
 }
 
@@ -324,7 +326,7 @@ impl WaterScattering {
 
     /// The spectrum that scatters from clean water, high pass included, at a wave vector on the axes of the
     /// wind, m^4.
-    pub(super) fn bragg_density(&self) -> Density {
+    pub(in crate::scattering) fn bragg_density(&self) -> Density {
         let (spectrum, cut_radpm) = (Arc::clone(&self.spectrum), self.cut_radpm);
         let [cos, sin] = self.downwind;
         Arc::new(move |along, across| {
@@ -387,44 +389,9 @@ impl WaterScattering {
         self.kinds.len()
     }
 
-    /// Random phasors that a facet needs.
-    pub fn mechanisms(&self) -> usize {
-        self.mechanisms
-    }
-
-    /// Random processes that they come from: as many, or the specular part and a few modes of the tilts.
-    pub fn processes(&self) -> usize {
-        self.modes.as_ref().map_or(self.mechanisms, |modes| 1 + modes.count())
-    }
-
-    /// Random processes of which each turns all tilts, where waves travel.
-    pub fn travelling_modes(&self) -> usize {
-        self.modes.as_ref().map_or(1, TiltModes::count)
-    }
-
-    /// What each tilt takes of a mode of facets of Gaussian amplitude; `None` of others.
-    pub fn shares_of(&self, mode: usize) -> Option<impl Fn(usize) -> f64> {
-        self.modes.as_ref().map(|modes| move |tilt: usize| modes.share(mode, tilt))
-    }
-
     /// Relative permittivity of the water.
     pub fn permittivity(&self) -> Complex64 {
         self.permittivity
-    }
-
-    /// Whether phasors of [`Self::phasors`] change in time.
-    pub fn decorrelates(&self) -> bool {
-        self.speckle != Speckle::Frozen
-    }
-
-    /// Rms angular frequency of phasors that are forgotten, rad/s; 0 where none are.
-    pub fn forgetting_radps(&self) -> f64 {
-        self.speckle.deviation_radps()
-    }
-
-    /// The lines of Bragg waves that travel, if they do: they turn the phasors of [`Self::phasors`].
-    pub fn travelling(&self) -> Option<&BraggLines> {
-        self.travelling.as_ref()
     }
 
     /// Where the ships of the strips and those of the short waves are, `t_s` after pulse 0: for
@@ -486,57 +453,6 @@ impl WaterScattering {
                 let aside_m = strip.strip.reach_aside_m(furthest_m);
                 aside_m > 0.0 && least < aside_m && most > -aside_m
             })
-    }
-
-    /// Phasors of the facet with a global key, `t_s` after pulse 0, waves that travel apart.
-    pub fn phasors(&self, key: [i64; 2], t_s: f64, out: &mut [Complex64]) {
-        self.phasors_of(self.speckle, key, t_s, out);
-    }
-
-    /// Phasors of the same facet were they frozen.
-    pub fn phasors_at_rest(&self, key: [i64; 2], out: &mut [Complex64]) {
-        self.phasors_of(Speckle::Frozen, key, 0.0, out);
-    }
-
-    fn phasors_of(&self, speckle: Speckle, key: [i64; 2], t_s: f64, out: &mut [Complex64]) {
-        let facet = (key[0], key[1]);
-        match &self.modes {
-            None => speckle.phasors(self.seed, facet, t_s, out),
-            Some(modes) => {
-                let mut processes = [Complex64::ZERO; 1 + TILTS];
-                let processes = &mut processes[..=modes.count().min(TILTS)];
-                speckle.gaussian_phasors(self.seed, facet, t_s, processes);
-                if self.travelling.is_some() {
-                    processes[0] = Complex64::ONE;
-                }
-                modes.expand(processes, out);
-            }
-        }
-    }
-
-    /// Turns the phasors of the facet with a global key by the waves that travel, for unit directions from
-    /// the transmitter and to the receiver, `t_s` after pulse 0.
-    pub fn travel(&self, key: [i64; 2], directions: (DVec3, DVec3), t_s: f64, phasors: &mut [Complex64]) {
-        let Some(lines) = &self.travelling else { return };
-        let of = |mechanism, mode| lines.phasor((mechanism, mode), key, directions, t_s);
-        let specular = of(Mechanism::Specular, 0);
-        if let Some(modes) = &self.modes {
-            let mut processes = [specular; 1 + TILTS];
-            let processes = &mut processes[..=modes.count().min(TILTS)];
-            for (mode, process) in processes[1..].iter_mut().enumerate() {
-                *process = of(Mechanism::Bragg, mode);
-            }
-            return modes.expand(processes, phasors);
-        }
-        let bragg = of(Mechanism::Bragg, 0);
-        for (n, phasor) in phasors.iter_mut().enumerate() {
-            *phasor *= if n == 0 { specular } else { bragg };
-        }
-    }
-
-    /// Waves of the phasor of a mechanism of the same facet, where it decorrelates.
-    pub fn waves(&self, key: [i64; 2], mechanism: usize) -> [Wave; WAVES] {
-        self.speckle.waves(self.seed, (key[0], key[1]), mechanism)
     }
 
     /// Scattering matrices of a batch of one kind, sqrt(m^2), in the order `vv, vh, hv, hh`.
