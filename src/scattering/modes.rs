@@ -10,10 +10,10 @@
 //! `u_rn = sqrt(w_n) He_i(t_n) He_j(c_n) / sqrt(i! j!)`
 //!
 //! with `t_n`, `c_n` the tilt along and across the wind in standard deviations, `w_n` the weight, and the
-//! **mode** `r` of degree `(i, j)` in the order `00, 10, 01, 20, 11, 02, 21, 12, 22`. The matrix of nine modes
-//! is orthogonal: nothing is left out. Three modes (level, and both tilts) have all but 0.2 dB of the power
-//! from 30 to 75 degrees of incidence (0.5 dB of the cross-polarised), and all but 1 dB of HH at 85; six have
-//! all but 0.1 dB there.
+//! **mode** `r` of degree `(i, j)` in the order `00, 10, 01, 20, 11, 02, 21, 12, 22`. The matrix of nine
+//! modes is orthogonal: nothing is left out. Three modes (level, and both tilts) have all but 0.2 dB of the
+//! power from 30 to 75 degrees of incidence (0.5 dB of the cross-polarised), and all but 1 dB of HH at 85;
+//! six have all but 0.1 dB there.
 //!
 //! ```
 //! use nereus::scattering::modes::TiltModes;
