@@ -143,6 +143,11 @@ impl PathGenerator {
         self.apart.is_some()
     }
 
+    /// Whether they are those of an emitter beside the radar.
+    pub(crate) fn is_of_emitter(&self) -> bool {
+        self.apart.as_ref().is_some_and(|apart| !apart.own)
+    }
+
     /// Mean interval of its emissions, s.
     pub(crate) fn mean_pri_s(&self) -> f64 {
         self.radar.emissions.mean_pri_s()

@@ -35,11 +35,13 @@ pub(crate) fn engine(
     Ok(match chosen.precision {
         Precision::Double => {
             let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
+            let synth = if generator.is_of_emitter() { synth.with_exact_reach() } else { synth };
             Arc::new(SingleEcho::new(synth.in_windows(generator.pair_windows())))
         }
         Precision::Single => {
             let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
             let synth = synth.grouped(&generator.channel_groups()).in_windows(generator.pair_windows());
+            let synth = if generator.is_of_emitter() { synth.with_exact_reach() } else { synth };
             let (pulses, hold) = (generator.receiving_pulses(), generator.hold_pulses());
             let echo = BlockEcho::new(synth, chosen, pulses, hold)?;
             Arc::new(match segment {

@@ -8,7 +8,7 @@ use nereus::paths::list::ScattererPaths;
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-use crate::synth_scenes::{error_db, patches, spectra};
+use crate::synth_scenes::{Patch, error_db, patches, spectra};
 
 #[test]
 fn shares_do_not_change_a_bit() {
@@ -106,6 +106,40 @@ fn paths_at_and_beyond_the_edges_are_those_of_the_reference() {
         assert!(db < synth.predicted_error(&block).total_db() + 3.02, "{place}: {db}");
         // Out of reach, or unseen by this pair: nothing is lost.
         assert_eq!(block.found().unplaced, 0);
+    }
+}
+
+/// A fraction of a cell within and beyond the reach, which ends before the last cell, or after it where the
+/// transform has no room to spare.
+#[test]
+fn an_exact_reach_ends_where_that_of_the_reference_does() {
+    let short = patches()[0].clone();
+    let full = Patch { samples: 402, pulse_s: 0.338e-6, ..short.clone() };
+    for (patch, spare) in [(&short, 2), (&full, 0)] {
+        let settings = Settings { width: 7, doppler: Doppler::Shift, ..Settings::default() };
+        let synth = patch.synth::<f32>(&[0], settings).with_exact_reach();
+        let reference = patch.reference(&[0]);
+        let pulse = patch.pulse_s * patch.rate_hz;
+        assert_eq!(reference.fft_len() - patch.samples - pulse.ceil() as usize - 64, spare);
+        let edges = [-pulse - 32.0, patch.samples as f64 + 32.0];
+        for (edge, inside) in edges.into_iter().zip([1.0, -1.0]) {
+            for off in [0.02, 0.1, 0.24, 0.3, 0.49, -0.02, -0.1, -0.24, -0.3, -0.49] {
+                let place = edge + inside * off;
+                let mut paths = ScattererPaths::new(1, 1, 2);
+                for place in [place, 100.0] {
+                    paths.emission_offset_s.push(0.0);
+                    paths.delay_s[0].push(patch.window_s(0) + place / patch.rate_hz);
+                    paths.delay_rate[0].push(-1e-7);
+                    paths.amplitude[0].push(Complex64::ONE);
+                }
+                let block = patch.fill(&synth, 1, |_| paths.clone());
+                let mut exact = vec![Complex64::ZERO; reference.fft_len()];
+                reference.spectrum(&paths, patch.window_s(0), &mut exact);
+                let db = error_db(&spectra(&synth, &block, 1, &[0])[0], &exact);
+                println!("{} samples, place {place}: {db:.1} dB", patch.samples);
+                assert!(db < synth.predicted_error(&block).total_db() + 3.02, "{place}: {db}");
+            }
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! `[pulse][layer][cell][lane]`: a **layer** is what is spread with one set of places and weights, up to four
 //! channels of one pair; a **lane** is the real or imaginary part of one channel. Cells `0 .. period` are the
-//! grid, the next `width - 1` belong to its beginning (a scatterer path at the end spreads over the edge
+//! grid, the next `width` belong to its beginning (a scatterer path at the end spreads over the edge
 //! without a branch), and `width` more take what lies outside the window and is never read.
 //!
 //! Pulses do not share cells, so threads may each take a share of the pulses: no sum depends on how many

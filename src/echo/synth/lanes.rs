@@ -282,6 +282,7 @@ impl Synth<f32> {
                 turned_stride: TURNED_LANES,
                 coefficients: &self.coefficients,
                 last_cell: self.last_cell,
+                exact: self.exact,
                 outside: self.shape.outside() as i32,
                 stride,
                 offset: self.shape.offset(index),

@@ -28,7 +28,7 @@
 //!
 //! Phase and place are polynomials over the block, held so that stepping loses nothing ([`block`]). Scatterer
 //! paths farther from the window than the reference's guard go to cells that nobody reads; within a cell of
-//! that limit either may happen.
+//! that limit either may happen, unless [`Synth::with_exact_reach`] keeps it.
 //!
 //! # Threads
 //!
@@ -263,8 +263,12 @@ pub struct Synth<T: Scalar> {
     cells_per_s: f64,
     /// Reach before the window, s.
     lead_s: f64,
+    /// Reach beyond the window, cells.
+    reach: f64,
     /// Last first cell within reach.
     last_cell: i32,
+    /// Where paths beyond the reach by less than a cell are left out: [`Job::exact`].
+    exact: Option<T>,
     layers: Vec<Layer>,
     shape: grid::Shape,
     bodies: Vec<variant::Body<T>>,
@@ -311,7 +315,8 @@ impl<T: Scalar> Synth<T> {
         let kernel = Kernel::new(settings.width, oversampling)?;
         let lead_s = waveform.duration_s() + GUARD_SAMPLES as f64 / sample_rate_hz;
         let reach_s = lead_s + (window_samples + GUARD_SAMPLES) as f64 / sample_rate_hz;
-        let last_cell = ((reach_s * cells_per_s).ceil() as usize).min(period - 1) as i32;
+        let reach = reach_s * cells_per_s;
+        let last_cell = (reach.ceil() as usize).min(period - 1) as i32;
         let pairs = channel_pairs.iter().map(|p| p + 1).max().unwrap_or(0);
         let groups = vec![0; channel_pairs.len()];
         let layers = layers(channel_pairs, &groups, pairs, settings.doppler.has_moments());
@@ -355,7 +360,9 @@ impl<T: Scalar> Synth<T> {
             coefficients,
             cells_per_s,
             lead_s,
+            reach,
             last_cell,
+            exact: None,
             layers,
             shape,
             bodies,
@@ -381,6 +388,21 @@ impl<T: Scalar> Synth<T> {
     /// The same for pairs whose windows are these of several.
     pub fn in_windows(self, of_pairs: Vec<usize>) -> Self {
         Self { windows: of_pairs, ..self }
+    }
+
+    /// The same where paths farther from the window than the reference's guard are left out to a fraction of
+    /// a cell, but for what Doppler off the mean shifts them. For echoes that may be far louder than what the
+    /// window holds: an emitter's.
+    pub fn with_exact_reach(self) -> Self {
+        // Up to the period, whose cell is folded to the first.
+        let last = self.reach.ceil();
+        let exact = Some(T::round_from(last - self.reach - 0.5));
+        Self { last_cell: last as i32, exact, ..self }
+    }
+
+    /// Whether it has an exact reach.
+    pub fn has_exact_reach(&self) -> bool {
+        self.exact.is_some()
     }
 
     /// Length N of the spectra, bins: that of the reference echo.
@@ -482,6 +504,7 @@ impl<T: Scalar> Synth<T> {
             factor_stride: block.len(),
             coefficients: &self.coefficients,
             last_cell: self.last_cell,
+            exact: self.exact,
             outside: self.shape.outside() as i32,
             stride,
             offset: self.shape.offset(index),

@@ -214,6 +214,7 @@ impl Synth<f32> {
                 turned_stride: TURNED_LANES,
                 coefficients: &self.coefficients,
                 last_cell: shape.places as i32 - 1,
+                exact: None,
                 outside: (shape.cells + shape.margin) as i32,
                 stride,
                 offset: shape.margin * layer.lanes,

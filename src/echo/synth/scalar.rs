@@ -53,7 +53,7 @@ mod sealed {
 }
 
 /// A floating-point type in which the fast echo is made.
-pub trait Scalar: nereus_fft::Precision + Default + Into<f64> + sealed::Sealed {
+pub trait Scalar: nereus_fft::Precision + Default + PartialOrd + Into<f64> + sealed::Sealed {
     /// Which it is.
     const PRECISION: Precision;
     /// A phase modulo one turn.

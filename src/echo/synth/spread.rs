@@ -113,6 +113,8 @@ pub struct Job<'a, T: Scalar> {
     pub coefficients: &'a [[[T; MAX_TERMS]; 2]],
     /// Last first cell that is in reach of the window.
     pub last_cell: i32,
+    /// Where the limits of reach are kept to a fraction of a cell: the least `beyond` at the last one.
+    pub exact: Option<T>,
     /// First cell of those that are not read.
     pub outside: i32,
     /// Numbers from one pulse to the next, and before this layer.
@@ -338,6 +340,9 @@ fn place<T: Scalar, const FUSED: bool, const W: usize, const UNEVEN: bool>(
         &mut passes.cell[..count],
         &mut passes.beyond[..count],
     );
+    if let Some(least) = job.exact {
+        cut_off(job, least, &passes.beyond[..count], &mut passes.cell[..count]);
+    }
     weights::<T, FUSED, W>(job.coefficients, &passes.beyond[..count], &mut passes.weight);
 }
 
@@ -404,6 +409,15 @@ fn first_cells<T: Scalar, const FUSED: bool>(
         let first = base.wrapping_add(shift.0).wrapping_add(whole);
         *cell = if (first as u32) <= (last_cell as u32) { first } else { outside };
         *beyond = nearest - place;
+    }
+}
+
+/// Leaves out what lies less than a cell beyond the limits of reach: rounded up, it is within.
+#[inline(always)]
+fn cut_off<T: Scalar>(job: &Job<'_, T>, least: T, beyond: &[T], cell: &mut [i32]) {
+    for (cell, beyond) in cell.iter_mut().zip(beyond) {
+        let past = (*cell == 0) | ((*cell == job.last_cell) & (*beyond < least));
+        *cell = if past { job.outside } else { *cell };
     }
 }
 

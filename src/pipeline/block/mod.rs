@@ -411,8 +411,10 @@ impl BlockEcho {
             work.frame.receives.extend(of_pulses.flat_map(of));
             work.frame.receives.sort_unstable_by_key(|own| (own.emission, own.pulse));
         }
-        let aligned = self.synth.windows_align(&work.windows_s, &work.frame.receives);
-        work.tiers.between = self.between.filter(|_| aligned);
+        // Rows of a tile are summed with what lies beyond the reach.
+        let sums =
+            !self.synth.has_exact_reach() && self.synth.windows_align(&work.windows_s, &work.frame.receives);
+        work.tiers.between = self.between.filter(|_| sums);
         let patch = generator.patch_of(from)?;
         let BlockWork { tiers, samples, tiles, mean_hz, nodes, windows_s, .. } = &mut *work;
         samples.clear();
