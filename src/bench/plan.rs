@@ -45,7 +45,7 @@ pub struct PlanReport {
 #[derive(Debug, Serialize)]
 struct EmitterReport {
     name: String,
-    /// Share of the pulses that receive it, about.
+    /// Share of the pulses that receive it, of the receiver that fewest reach, about.
     share_of_pulses: f64,
     node_pulses: u64,
     predicted_rel_rms_db: f64,

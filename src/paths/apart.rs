@@ -289,47 +289,59 @@ impl PathGenerator {
         Ok(span.map_or(0..0, within))
     }
 
-    /// Share of some pulses whose windows receive anything; windows as those of `radar`.
+    /// Share of some pulses whose windows receive anything, of an emitter that of the pair that fewest reach
+    /// of those that any does; windows as those of `radar`.
     ///
     /// # Errors
     /// Tracks that do not cover the run.
     pub(crate) fn share_of_pulses_reached(&self, radar: &Self, at: &[u64]) -> Result<f64, RadarError> {
-        let (mut work, mut windows, mut heard) = (self.workspace(), Vec::new(), 0usize);
+        let (mut work, mut windows, count) = (self.workspace(), Vec::new(), self.pairs.len());
+        let each = if self.is_of_emitter() { 1 } else { count.max(1) };
+        let parts: Vec<Range<usize>> = (0..count).step_by(each).map(|pair| pair..pair + each).collect();
+        let mut heard = vec![0usize; parts.len()];
         for &index in at {
             windows.clear();
             for window in 0..radar.windows() {
                 let start_s = radar.window_start_of(window, index)?;
                 windows.push(Window::new(&self.radar, start_s, self.pulse_length_s));
             }
-            let mut received = false;
-            for emitted in self.emissions_at(index, &windows, &mut work)? {
-                received |=
-                    self.receives(index, emitted, &Window::hull(windows.iter().copied()), &mut work)?;
+            let emissions = self.emissions_at(index, &windows, &mut work)?;
+            for (pairs, heard) in parts.iter().zip(&mut heard) {
+                let own = self.plans[pairs.clone()].iter().filter_map(|plan| windows.get(plan.window));
+                let window = Window::hull(own.copied());
+                for emitted in emissions.clone() {
+                    if self.receives(index, emitted, &window, pairs, &mut work)? {
+                        *heard += 1;
+                        break;
+                    }
+                }
             }
-            heard += usize::from(received);
         }
-        Ok(heard as f64 / at.len().max(1) as f64)
+        let least = heard.into_iter().filter(|pulses| *pulses > 0).min().unwrap_or(0);
+        Ok(least as f64 / at.len().max(1) as f64)
     }
 
-    /// Whether a window of a pulse receives anything of an emission: a target, the direct path, or sea and
-    /// ships from the nearest to the farthest.
+    /// Whether a window of a pulse receives anything of an emission by some pairs: a target, the direct path,
+    /// or sea and ships from the nearest to the farthest.
     fn receives(
         &self,
         index: u64,
         emitted: u64,
         window: &Window,
+        pairs: &Range<usize>,
         work: &mut Workspace,
     ) -> Result<bool, RadarError> {
         self.evaluate(emitted, &mut work.own)?;
         let offset_s = self.offset_s(index, emitted);
-        let points = work.own.paths.iter().any(|path| window.touches(offset_s + path.delay_s));
-        // Without targets only what lies on the sea is left.
-        work.own.paths.clear();
-        let span = self.delay_span_s(emitted, &work.own)?;
+        let mut points = work.own.paths.chunks(self.pairs.len()).flat_map(|of| &of[pairs.clone()]);
+        if points.any(|path| window.touches(offset_s + path.delay_s)) {
+            return Ok(true);
+        }
+        let span = self.delay_span_beside_s(emitted, &work.own, None, pairs.clone())?;
         let touches = |(nearest_s, farthest_s): (f64, f64)| {
             let lasts_s = window.pulse_s + farthest_s - nearest_s;
             Window { pulse_s: lasts_s, ..*window }.touches(offset_s + nearest_s)
         };
-        Ok(points || span.is_some_and(touches))
+        Ok(span.is_some_and(touches))
     }
 }

@@ -55,16 +55,22 @@ impl PathGenerator {
         span_s: Option<(f64, f64)>,
         emission: &Emission,
         elapsed_s: f64,
+        ends: &[[usize; 2]],
     ) -> Option<(f64, f64)> {
-        self.ship_spans_s(emission, elapsed_s).fold(span_s, |span_s, [least, most]| {
+        self.ship_spans_s(emission, elapsed_s, ends).fold(span_s, |span_s, [least, most]| {
             Some(span_s.map_or((least, most), |(a, b)| (least.min(a), most.max(b))))
         })
     }
 
-    /// Bounds on the delays of every ship over every pair, s.
-    fn ship_spans_s(&self, emission: &Emission, elapsed_s: f64) -> impl Iterator<Item = [f64; 2]> {
+    /// Bounds on the delays of every ship over pairs of such antennas, s.
+    fn ship_spans_s(
+        &self,
+        emission: &Emission,
+        elapsed_s: f64,
+        ends: &[[usize; 2]],
+    ) -> impl Iterator<Item = [f64; 2]> {
         self.ships.extents(&self.frame, elapsed_s).flat_map(move |(midship_m, radius_m)| {
-            self.ends.iter().map(move |ends| {
+            ends.iter().map(move |ends| {
                 let leg_m = |end: &usize| (emission.centres[*end].position.raw() - midship_m).length();
                 let (straight_m, slack_m) = (ends.iter().map(leg_m).sum::<f64>(), 4.0 * radius_m);
                 [straight_m - slack_m, straight_m + slack_m]
@@ -81,7 +87,7 @@ impl PathGenerator {
         ShipWork { weights, .. }: &mut ShipWork,
     ) -> Result<bool, RadarError> {
         let Reception { emission, elapsed_s, offset_s, tx_pol, windows, .. } = *reception;
-        let mut spans_s = self.ship_spans_s(emission, elapsed_s).flatten();
+        let mut spans_s = self.ship_spans_s(emission, elapsed_s, &self.ends).flatten();
         if spans_s.all(|delay_s| windows.iter().all(|window| window.holds(offset_s + delay_s))) {
             return Ok(false);
         }

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use super::{Emission, MANOEUVRE_MPS, PathGenerator, Workspace};
+use super::{Emission, MANOEUVRE_MPS, PathGenerator, Reception, Workspace};
 use crate::motion::pointing::PhaseCentre;
 use crate::paths::block::{NODES, nodes_within};
 use crate::paths::hearing::Hearing;
@@ -261,10 +261,22 @@ impl PathGenerator {
         index: u64,
         emission: &Emission,
     ) -> Result<Option<(f64, f64)>, RadarError> {
+        self.delay_span_beside_s(index, emission, emission.delay_span_s(), 0..self.pairs.len())
+    }
+
+    /// Bounds on the delays of sea and ships over some pairs, and on others that are known, s.
+    pub(super) fn delay_span_beside_s(
+        &self,
+        index: u64,
+        emission: &Emission,
+        known_s: Option<(f64, f64)>,
+        pairs: Range<usize>,
+    ) -> Result<Option<(f64, f64)>, RadarError> {
         let elapsed_s = self.radar.emissions.elapsed_s(index);
-        let targets = self.with_ships(emission.delay_span_s(), emission, elapsed_s);
+        let targets = self.with_ships(known_s, emission, elapsed_s, &self.ends[pairs.clone()]);
         let Some(sea) = &self.sea else { return Ok(targets) };
         let reception = self.reception(index, index, emission, &[]);
+        let reception = Reception { plans: &self.plans[pairs], ..reception };
         let patch = sea
             .patch_at(&reception.surroundings, reception.elapsed_s)
             .map_err(|failure| self.track_error(index, failure))?;
