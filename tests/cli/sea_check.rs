@@ -292,4 +292,5 @@ fn facets_are_chosen() {
     assert_eq!(facets(&[gaussian, coarse]), 7.0 * 7.0);
     // Twelve along a wave of 3.6 m, and no 53 of them: that is a prime.
     assert_eq!(facets(&[gaussian, coarse, "sea.wind_mps=2"]), 54.0 * 54.0);
+    assert_eq!(facets(&[gaussian, "sea.wind_mps=0"]), 16.0 * 16.0);
 }

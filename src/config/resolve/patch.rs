@@ -31,6 +31,9 @@ enum PlaceGiven {
     FollowReceiver,
 }
 
+/// Less wind raises no waves, m/s.
+const CALM_MPS: f64 = 0.3;
+
 /// The longest facet that will do, m, by what is written of radar and sea.
 pub(super) fn longest_facet_m(root: &Section<'_>, azimuth_m: f64) -> f64 {
     use crate::sea::GRAVITY_MPS2;
@@ -49,6 +52,7 @@ pub(super) fn longest_facet_m(root: &Section<'_>, azimuth_m: f64) -> f64 {
     // Length of the wave at Elfouhaily's peak, fully developed, m.
     let wave_m = root
         .peek_in(&keys::root::SEA, &keys::sea::WIND_MPS)
+        .filter(|mps| *mps >= CALM_MPS)
         .map_or(f64::INFINITY, |mps| TAU * (mps / 0.84).powi(2) / GRAVITY_MPS2);
     longest_facet_m([range_m, azimuth_m], speckle).min(wave_m / FACETS_PER_PEAK_WAVE)
 }
@@ -70,7 +74,9 @@ fn dividing_m(size_m: [f64; 2], at_most_m: f64) -> f64 {
         }) == 1
     };
     let least = (common_m / at_most_m).ceil().clamp(1.0, 1e12) as u64;
-    common_m / (least..).find(smooth).unwrap_or(least) as f64
+    // More are refused in any case.
+    let most = least.max(MAX_SIDE as u64);
+    common_m / (least..=most).find(smooth).unwrap_or(least) as f64
 }
 
 /// Reads the keys of the patch; without a sea they are faults. `longest_m` is the longest facet that will do
