@@ -44,7 +44,7 @@ use crate::pipeline::stages::PulseFactory;
 use crate::radar::fault::{RadarError, mounts};
 use crate::radar::waveform::Waveform;
 use crate::radar::window::Window;
-use crate::scene::sea::Speckle;
+use crate::scene::sea::{FacetScattering, Phases, Speckle};
 use crate::scene::{Patch, Scene, Sea};
 use crate::sea::realise::Realised;
 use crate::sea::spectrum::moments::Moments;
@@ -55,9 +55,11 @@ use crate::units::{SPEED_OF_LIGHT_MPS, neat};
 
 /// Power that may come and go with the edge rows of a following patch, dB below all that is received.
 pub const EDGE_BUDGET_DB: f64 = -60.0;
-/// Modes of the tilts without which HH is more than a few tenths of a decibel too low below an angle, sine.
+/// Modes of the tilts that grazing angles need: with fewer HH loses more than 0.1 dB, below this sine.
 pub const GRAZING_MODES: usize = 6;
-const GRAZING: f64 = 0.2;
+const GRAZING_SINE: f64 = 0.2;
+/// Modes below which tilts across or along the wind are left out at any angle.
+const LEAST_MODES: usize = 3;
 /// Points along a side of the patch at which geometry is taken.
 pub const LATTICE: usize = 33;
 /// Longest waves that count for the significant height, rad/m: 60 km.
@@ -185,17 +187,7 @@ pub fn adequacy(prepared: &Prepared) -> Result<Option<Adequacy>, BuildErrors> {
         assess(at, sea, waveform.as_ref(), &mut known, &mut adequacy)?;
     }
     ships::ships(prepared, sea, &mut adequacy)?;
-    if let Speckle::Gaussian { tilt_modes } = sea.scattering.speckle
-        && sea.scattering.tilt_average
-        && tilt_modes < GRAZING_MODES
-        && known.least_sine.is_some_and(|sine| sine < GRAZING)
-    {
-        adequacy.warnings.push(format!(
-            "the sea is looked at from {:.1} degrees above it: with sea.scattering.tilt_modes = {tilt_modes} its echo is up to 2 dB too weak \
-             in HH and HV; {GRAZING_MODES} would do",
-            known.least_sine.unwrap_or_default().asin().to_degrees()
-        ));
-    }
+    warn_of_modes(&sea.scattering, known.least_grazing_sine, &mut adequacy.warnings);
     if let Some(ground_range_m) = adequacy.ground_range_m {
         let facet_m = sea.patch.facet_m;
         let azimuth_m = sea.azimuth_resolution_m;
@@ -210,13 +202,13 @@ pub fn adequacy(prepared: &Prepared) -> Result<Option<Adequacy>, BuildErrors> {
             let at_most_m = neat((enough_m / unit_m).floor() * unit_m);
             let more = (facet_m / at_most_m).powi(2);
             let rule = match speckle {
-                Speckle::RandomPhase => format!(
+                Speckle::RandomPhase if facets < sampling::LEAST_FACETS_PER_CELL => format!(
                     "below {} of random phase its speckle is not Rayleigh's; sea.scattering.speckle = \"gaussian\" needs one, of at most \
-                     {:.2} m, or",
+                     {} m, or",
                     sampling::LEAST_FACETS_PER_CELL,
-                    cell_m[0].min(cell_m[1])
+                    neat((100.0 * cell_m[0].min(cell_m[1])).floor() / 100.0)
                 ),
-                Speckle::Gaussian { .. } => "a facet should not be longer than it;".to_owned(),
+                _ => "a facet should not be longer than it;".to_owned(),
             };
             adequacy.warnings.push(format!(
                 "{facets:.1} facets in a resolution cell of {ground_range_m:.2} m ground range x {azimuth_m} m azimuth \
@@ -227,12 +219,32 @@ pub fn adequacy(prepared: &Prepared) -> Result<Option<Adequacy>, BuildErrors> {
     Ok(Some(adequacy))
 }
 
+/// What too few modes of the tilts of Gaussian facets leave out.
+fn warn_of_modes(scattering: &FacetScattering, grazing_sine: Option<f64>, warnings: &mut Vec<String>) {
+    let Speckle::Gaussian { tilt_modes } = scattering.speckle else { return };
+    if !scattering.tilt_average || scattering.phases == Phases::Single {
+        return;
+    }
+    if tilt_modes < LEAST_MODES {
+        warnings.push(format!(
+            "sea.scattering.tilt_modes = {tilt_modes} leaves out tilts, and most of the cross-polarised echo; {LEAST_MODES} would do"
+        ));
+    } else if let Some(sine) = grazing_sine.filter(|sine| *sine < GRAZING_SINE && tilt_modes < GRAZING_MODES)
+    {
+        warnings.push(format!(
+            "the sea is looked at from {:.1} degrees above it: with fewer sea.scattering.tilt_modes than {GRAZING_MODES} its echo is \
+             too weak, by 1 dB in HH and 2.5 dB in HV at 5 degrees with {LEAST_MODES}",
+            sine.asin().to_degrees()
+        ));
+    }
+}
+
 /// What has been warned of at an earlier pulse.
 #[derive(Default)]
 struct Known<'a> {
     outside: bool,
     /// Of the grazing angle of the first pair in the middle of the patch.
-    least_sine: Option<f64>,
+    least_grazing_sine: Option<f64>,
     beyond_horizon: Vec<&'a str>,
 }
 
@@ -256,7 +268,7 @@ fn assess<'a>(
     let [x_m, y_m] = patch.centre_m(key);
     let middle = scene.frame.above_sea(x_m, y_m, 0.0);
     let sines = first.iter().map(|end| toward(*end, middle).to_array()[2].max(0.0));
-    known.least_sine = sines.chain(known.least_sine).reduce(f64::min);
+    known.least_grazing_sine = sines.chain(known.least_grazing_sine).reduce(f64::min);
     let gradient = first.iter().fold(Vector::<Enu>::ZERO, |sum, end| sum + toward(*end, middle));
     let [east, north, _] = gradient.to_array();
     let ground_range_m = SPEED_OF_LIGHT_MPS / (bandwidth_hz * east.hypot(north));

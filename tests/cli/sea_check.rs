@@ -169,8 +169,8 @@ fn what_does_not_fit_gives_a_warning_and_no_error() {
 warning: the patch of 16 m x 16 m is shorter than the 2221 m that its spectrum asks for: long waves are coarsely drawn
 warning: wind of 26.0 m/s at 10 m: above 25 m/s the laws of wind and waves are extrapolations, and a linear sea is a rough model
 "#);
-    insta::assert_snapshot!(warnings(&["scene.facet_m=1"]), @r#"warning: 3.5 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (scene.azimuth_resolution_m): below 6 of random phase its speckle is not Rayleigh's; sea.scattering.speckle = "gaussian" needs one, of at most 1.00 m, or scene.facet_m of at most 0.76 would do, with 1.7 times as many facets"#);
-    insta::assert_snapshot!(warnings(&["scene.facet_m=8"]), @r#"warning: 0.1 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (scene.azimuth_resolution_m): below 6 of random phase its speckle is not Rayleigh's; sea.scattering.speckle = "gaussian" needs one, of at most 1.00 m, or scene.facet_m of at most 0.76 would do, with 110.8 times as many facets"#);
+    insta::assert_snapshot!(warnings(&["scene.facet_m=1"]), @r#"warning: 3.5 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (scene.azimuth_resolution_m): below 6 of random phase its speckle is not Rayleigh's; sea.scattering.speckle = "gaussian" needs one, of at most 1 m, or scene.facet_m of at most 0.76 would do, with 1.7 times as many facets"#);
+    insta::assert_snapshot!(warnings(&["scene.facet_m=8"]), @r#"warning: 0.1 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (scene.azimuth_resolution_m): below 6 of random phase its speckle is not Rayleigh's; sea.scattering.speckle = "gaussian" needs one, of at most 1 m, or scene.facet_m of at most 0.76 would do, with 110.8 times as many facets"#);
     let gaussian = "sea.scattering.speckle=gaussian";
     assert_eq!(warnings(&["scene.facet_m=1", gaussian]), "");
     insta::assert_snapshot!(warnings(&["scene.facet_m=2", gaussian]), @r#"warning: 0.9 facets in a resolution cell of 3.53 m ground range x 1 m azimuth (scene.azimuth_resolution_m): a facet should not be longer than it; scene.facet_m of at most 1 would do, with 4.0 times as many facets"#);
@@ -180,7 +180,7 @@ warning: wind of 26.0 m/s at 10 m: above 25 m/s the laws of wind and waves are e
         "platform.0.track.position_m=[0,-4000,400]",
         "radar.window.start_us=26.0",
     ];
-    insta::assert_snapshot!(warnings(&low), @"warning: the sea is looked at from 5.7 degrees above it: with sea.scattering.tilt_modes = 3 its echo is up to 2 dB too weak in HH and HV; 6 would do");
+    insta::assert_snapshot!(warnings(&low), @"warning: the sea is looked at from 5.7 degrees above it: with fewer sea.scattering.tilt_modes than 6 its echo is too weak, by 1 dB in HH and 2.5 dB in HV at 5 degrees with 3");
     insta::assert_snapshot!(warnings(&["radar.window.start_us=29.5"]), @r#"warning: the receive window misses the patch at pulse 0: it holds full echoes that begin [29.5, 31.09] us after the emission, those of the patch begin [28.27, 28.34] us"#);
     // The echo of the pulse before: 28.3 us are 3.3 us after the next emission.
     assert_eq!(warnings(&["radar.window={samples=64,start_us=3.0}", "radar.prf_hz=40000"]), "");
@@ -290,7 +290,10 @@ fn facets_are_chosen() {
     assert_eq!(facets(&[]), 25.0 * 25.0);
     assert_eq!(facets(&[gaussian]), 16.0 * 16.0);
     assert_eq!(facets(&[gaussian, coarse]), 7.0 * 7.0);
-    // Twelve along a wave of 3.6 m, and no 53 of them: that is a prime.
-    assert_eq!(facets(&[gaussian, coarse, "sea.wind_mps=2"]), 54.0 * 54.0);
+    // Twelve along a wave of 18 m, and no 11 of them: that is a prime. Waves of 3.6 m are left to the tilts.
+    assert_eq!(facets(&[gaussian, coarse, "sea.wind_mps=4.45"]), 12.0 * 12.0);
+    assert_eq!(facets(&[gaussian, coarse, "sea.wind_mps=2"]), 16.0 * 16.0);
+    // A young sea has shorter waves.
+    assert_eq!(facets(&[gaussian, coarse, "sea.wind_mps=7.6", "sea.inverse_wave_age=1.43"]), 12.0 * 12.0);
     assert_eq!(facets(&[gaussian, "sea.wind_mps=0"]), 16.0 * 16.0);
 }

@@ -31,30 +31,33 @@ enum PlaceGiven {
     FollowReceiver,
 }
 
-/// Less wind raises no waves, m/s.
-const CALM_MPS: f64 = 0.3;
+/// Waves that so long a facet does not resolve are left to the tilts within it, m.
+const FINEST_FOR_WAVES_M: f64 = 1.0;
+/// Wind at 10 m over the friction velocity, about.
+const WIND_PER_USTAR: f64 = 28.0;
 
 /// The longest facet that will do, m, by what is written of radar and sea.
-pub(super) fn longest_facet_m(root: &Section<'_>, azimuth_m: f64) -> f64 {
+pub(super) fn longest_facet_m(root: &Section<'_>, azimuth_m: f64) -> Option<f64> {
     use crate::sea::GRAVITY_MPS2;
     use crate::sea::spectrum::sampling::{FACETS_PER_PEAK_WAVE, longest_facet_m};
     let of_radar = |radar: Section<'_>| {
         let own_hz = radar.peek_in(&keys::radar::WAVEFORM, &keys::waveform::BANDWIDTH_HZ);
         own_hz.or_else(|| radar.peek(&keys::radar::SAMPLE_RATE_HZ))
     };
-    let bandwidth_hz = root.within(&keys::root::RADAR).and_then(of_radar).unwrap_or(f64::INFINITY);
+    let bandwidth_hz = root.within(&keys::root::RADAR).and_then(of_radar)?;
     let of_sea = |sea: Section<'_>| sea.peek_choice_in(&keys::sea::SCATTERING, &keys::scattering::SPECKLE);
     let speckle = match root.within(&keys::root::SEA).and_then(of_sea) {
         Some(SpeckleKind::Gaussian) => Speckle::Gaussian { tilt_modes: 1 },
         Some(SpeckleKind::RandomPhase) | None => Speckle::RandomPhase,
     };
     let range_m = 0.5 * SPEED_OF_LIGHT_MPS / bandwidth_hz;
-    // Length of the wave at Elfouhaily's peak, fully developed, m.
-    let wave_m = root
-        .peek_in(&keys::root::SEA, &keys::sea::WIND_MPS)
-        .filter(|mps| *mps >= CALM_MPS)
-        .map_or(f64::INFINITY, |mps| TAU * (mps / 0.84).powi(2) / GRAVITY_MPS2);
-    longest_facet_m([range_m, azimuth_m], speckle).min(wave_m / FACETS_PER_PEAK_WAVE)
+    let of_sea = |key| root.peek_in(&keys::root::SEA, key);
+    let wind_mps = of_sea(&keys::sea::WIND_MPS)
+        .or_else(|| of_sea(&keys::sea::WIND_USTAR_MPS).map(|mps| WIND_PER_USTAR * mps))?;
+    // Length of the wave at Elfouhaily's peak, m.
+    let wave_m = TAU * (wind_mps / of_sea(&keys::sea::INVERSE_WAVE_AGE)?).powi(2) / GRAVITY_MPS2;
+    let of_waves_m = (wave_m / FACETS_PER_PEAK_WAVE).max(FINEST_FOR_WAVES_M);
+    Some(longest_facet_m([range_m, azimuth_m], speckle).min(of_waves_m))
 }
 
 /// The largest facet of at most a length that divides both sides, without large primes, of which transforms
@@ -83,7 +86,7 @@ fn dividing_m(size_m: [f64; 2], at_most_m: f64) -> f64 {
 /// for a resolution in azimuth.
 pub(super) fn given(
     section: &Section<'_>,
-    longest_m: impl FnOnce(f64) -> f64,
+    longest_m: impl FnOnce(f64) -> Option<f64>,
     has_sea: bool,
     ground: &Ground,
     platforms: &Names,
@@ -93,7 +96,8 @@ pub(super) fn given(
     let size_m = section.vector(&PATCH_SIZE_M);
     let azimuth_m = section.number(&AZIMUTH_RESOLUTION_M);
     let facet_m = if section.is_word(&FACET_M, "auto") {
-        size_m.zip(azimuth_m).map(|(size_m, azimuth_m)| dividing_m(size_m, longest_m(azimuth_m)))
+        let longest_m = azimuth_m.and_then(longest_m);
+        size_m.zip(longest_m).map(|(size_m, longest_m)| dividing_m(size_m, longest_m))
     } else {
         section.number(&FACET_M)
     };

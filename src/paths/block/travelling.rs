@@ -49,7 +49,7 @@ impl Part {
             Self::Forgetting(process) => process.checked_sub(1),
             Self::Still | Self::Specular => None,
         };
-        if let Some(share) = mode.and_then(|mode| water.shares_of(mode)) {
+        if let Some(share) = mode.and_then(|mode| water.tilt_shares(mode)) {
             for (tilt, [re, im]) in batch.phasor.iter_mut().skip(1).enumerate() {
                 re.fill(share(tilt) as f32);
                 im.fill(0.0);

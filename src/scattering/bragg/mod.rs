@@ -47,6 +47,9 @@ use share::DirectionShare;
 /// Components of equal weight that a facet has in the widest line. The facets of a resolution cell have many
 /// together, and a few for each keep powers of facets near those of frozen phases.
 const COMPONENTS: f64 = 4.0;
+/// The same of a facet of Gaussian amplitude, which may be alone in its cell: its mean power over a long time
+/// is random by one over their number.
+const GAUSSIAN_COMPONENTS: f64 = 12.0;
 /// Components of equal weight in a line of a deviation of one cell.
 const COMPONENTS_PER_CELL: f64 = 3.66;
 /// Least width of a cell over the highest Bragg frequency.
@@ -124,8 +127,9 @@ impl BraggLines {
             SubFacetVelocities::new(setting.spectrum, dispersion, setting.resolved_radpm, 2.0 * k);
         let deviation_radps = setting.decorrelation_s.map(|time_s| std::f64::consts::SQRT_2 / time_s);
         let widest_radps = deviation_radps.unwrap_or(2.0 * k * velocities.largest_rms_mps());
-        let least_radps = LEAST_STEP * dispersion.angular_frequency_rad_s(2.0 * k);
-        let step_radps = (COMPONENTS_PER_CELL * widest_radps / COMPONENTS).max(least_radps);
+        let components = if setting.gaussian { GAUSSIAN_COMPONENTS } else { COMPONENTS };
+        let least_radps = COMPONENTS / components * LEAST_STEP * dispersion.angular_frequency_rad_s(2.0 * k);
+        let step_radps = (COMPONENTS_PER_CELL * widest_radps / components).max(least_radps);
         let [east, north] = setting.drift_mps;
         let comb = Comb::new(step_radps);
         Self {
@@ -183,7 +187,7 @@ impl BraggLines {
         lines.filter(|line| line.amplitude != 0.0).map(reach).fold(0.0, f64::max)
     }
 
-    /// Random number of a mode of the facet with a global key; there is one mode but of Gaussian facets.
+    /// Random number of a mode of the facet with a global key; only Gaussian facets have more than one.
     #[inline(always)]
     fn number_of(&self, key: [i64; 2], mode: usize) -> u64 {
         let own = mixed(mixed(self.seed, key[0].cast_unsigned()), key[1].cast_unsigned());

@@ -26,7 +26,7 @@ impl WaterScattering {
     }
 
     /// What each tilt takes of a mode of facets of Gaussian amplitude; `None` of others.
-    pub fn shares_of(&self, mode: usize) -> Option<impl Fn(usize) -> f64> {
+    pub fn tilt_shares(&self, mode: usize) -> Option<impl Fn(usize) -> f64> {
         self.modes.as_ref().map(|modes| move |tilt: usize| modes.share(mode, tilt))
     }
 
@@ -45,7 +45,7 @@ impl WaterScattering {
         self.travelling.as_ref()
     }
 
-    /// Phasors of the facet with a global key, `t_s` after pulse 0, waves that travel apart.
+    /// Phasors of the facet with a global key, `t_s` after pulse 0, without what turns them where waves travel.
     pub fn phasors(&self, key: [i64; 2], t_s: f64, out: &mut [Complex64]) {
         self.phasors_of(self.speckle, key, t_s, out);
     }
@@ -71,8 +71,8 @@ impl WaterScattering {
         }
     }
 
-    /// Turns the phasors of the facet with a global key by the waves that travel, for unit directions from
-    /// the transmitter and to the receiver, `t_s` after pulse 0.
+    /// Phasors where waves travel, for unit directions from the transmitter and to the receiver, `t_s` after
+    /// pulse 0: turns those of random phase, and puts those of Gaussian amplitude in their place.
     pub fn travel(&self, key: [i64; 2], directions: (DVec3, DVec3), t_s: f64, phasors: &mut [Complex64]) {
         let Some(lines) = &self.travelling else { return };
         let of = |mechanism, mode| lines.phasor((mechanism, mode), key, directions, t_s);
