@@ -72,15 +72,15 @@ fn moments(facet_m: f64, speckle: Speckle, incidence_deg: f64) -> Moments {
         let pulses: Vec<u64> = (0..3).flat_map(|n| [150 * n, 150 * n + 1]).collect();
         let all = cells(&scene, incidence_deg, &pulses);
         for two in all.chunks(2) {
-            for cell in 0..CELLS * CELLS {
-                let [vv, hh, hv] = [0, 1, 2].map(|channel| two[0][channel][cell]);
-                for (n, power) in [vv, hh, hv].map(|a| a.norm_sqr()).into_iter().enumerate() {
+            let [[of_vv, of_hh, of_hv], [later, ..]] = two else { unreachable!() };
+            for (((vv, hh), hv), later) in of_vv.iter().zip(of_hh).zip(of_hv).zip(later) {
+                for (n, power) in [vv, hh, hv].map(Complex64::norm_sqr).into_iter().enumerate() {
                     sums[n] += power;
                     squares[n] += power * power;
                 }
                 products[0] += vv * hh.conj();
                 products[1] += vv * hv.conj();
-                covariance += vv.conj() * two[1][0][cell];
+                covariance += vv.conj() * later;
                 count += 1.0;
             }
         }

@@ -45,7 +45,8 @@ impl WaterScattering {
         self.travelling.as_ref()
     }
 
-    /// Phasors of the facet with a global key, `t_s` after pulse 0, without what turns them where waves travel.
+    /// Phasors of the facet with a global key, `t_s` after pulse 0, without what turns them where waves
+    /// travel.
     pub fn phasors(&self, key: [i64; 2], t_s: f64, out: &mut [Complex64]) {
         self.phasors_of(self.speckle, key, t_s, out);
     }
