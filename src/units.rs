@@ -1,4 +1,4 @@
-//! Physical constants, decibels, and figures as text.
+//! Physical constants, decibels, factors of numbers, and figures as text.
 //!
 //! Quantities carry their unit in the name (`carrier_hz`, `delay_s`, `range_m`); the few numbers
 //! that are easy to mistake for one another at the interface of a module are newtypes.
@@ -15,6 +15,30 @@ pub const EARTH_RADIUS_M: f64 = 6_371_000.0;
 pub const FOOT_M: f64 = 0.3048;
 /// One knot, m/s (exact).
 pub const KNOT_MPS: f64 = 1852.0 / 3600.0;
+
+/// Whether a number is a product of some primes: a length of a fast transform.
+///
+/// ```
+/// use nereus::units::is_product_of;
+/// assert!(is_product_of(&[2, 3, 5], 360) && is_product_of(&[2], 1));
+/// assert!(!is_product_of(&[2, 3, 5], 14) && !is_product_of(&[2], 0));
+/// ```
+pub fn is_product_of(primes: &[usize], mut n: usize) -> bool {
+    for p in primes {
+        while n > 0 && n.is_multiple_of(*p) {
+            n /= p;
+        }
+    }
+    n == 1
+}
+
+/// Greatest common divisor.
+pub fn common_divisor(mut a: usize, mut b: usize) -> usize {
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
 
 /// A power ratio in decibels.
 ///

@@ -26,7 +26,7 @@ use super::sweep::{Overrides, Refused};
 use crate::fidelity::budget::Plan;
 use crate::fidelity::cost::{CostTable, Work};
 use crate::scene::Patch;
-use crate::units::digits;
+use crate::units::{common_divisor, digits, is_product_of};
 
 /// Times real time that are wanted unless asked otherwise: sinks, the pacer and other programs take some.
 pub const MARGIN: f64 = 1.15;
@@ -207,25 +207,12 @@ fn whole(length_m: f64) -> f64 {
 /// whole tiles where those given are.
 fn fewer(facets: [usize; 2], share: f64) -> Option<[usize; 2]> {
     let [nx, ny] = facets;
-    let (mut unit, mut rest) = (nx, ny);
-    while rest > 0 {
-        (unit, rest) = (rest, unit % rest);
-    }
+    let unit = common_divisor(nx, ny);
     let tiles = facets.iter().all(|n| n.is_multiple_of(TILE) && *n > 4 * TILE);
-    let is_fit = |n: &usize| is_smooth(*n) && (!tiles || n.is_multiple_of(TILE));
+    let is_fit = |n: &usize| is_product_of(&[2, 3, 5, 7], *n) && (!tiles || n.is_multiple_of(TILE));
     let most = (unit as f64 * share) as usize;
     let least = (unit as f64 * SHARES[SHARES.len() - 1]).ceil() as usize;
     (least.max(1)..=most).rev().map(|m| facets.map(|n| n / unit * m)).find(|sides| sides.iter().all(is_fit))
-}
-
-/// Whether a number has no prime factor above 7.
-fn is_smooth(mut n: usize) -> bool {
-    for prime in [2, 3, 5, 7] {
-        while n > 0 && n.is_multiple_of(prime) {
-            n /= prime;
-        }
-    }
-    n == 1
 }
 
 /// The side of so many facets over a patch, m, in as few digits as make them whole.
@@ -481,6 +468,7 @@ mod tests {
                     _ => Patch::new([numbers[0], numbers[1]], facet_m, [0.0; 2]),
                 };
                 let [nx, ny] = patch.unwrap().facets;
+                let is_smooth = |n| is_product_of(&[2, 3, 5, 7], n);
                 assert!(is_smooth(nx) && is_smooth(ny), "{nx} {ny}");
                 assert!((nx as f64 / ny as f64 - size_m[0] / size_m[1]).abs() < 1e-9, "{nx} {ny}");
             }

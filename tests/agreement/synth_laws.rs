@@ -65,6 +65,18 @@ fn variants_agree() {
     }
 }
 
+/// A path at a place after the start of the window, samples, and one within.
+fn beside_one_within(patch: &Patch, place: f64) -> ScattererPaths {
+    let mut paths = ScattererPaths::new(1, 1, 2);
+    for place in [place, 100.0] {
+        paths.emission_offset_s.push(0.0);
+        paths.delay_s[0].push(patch.window_s(0) + place / patch.rate_hz);
+        paths.delay_rate[0].push(-1e-7);
+        paths.amplitude[0].push(Complex64::ONE);
+    }
+    paths
+}
+
 #[test]
 fn paths_at_and_beyond_the_edges_are_those_of_the_reference() {
     let patch = &patches()[0];
@@ -91,13 +103,7 @@ fn paths_at_and_beyond_the_edges_are_those_of_the_reference() {
         f64::INFINITY,
         f64::NAN,
     ] {
-        let mut paths = ScattererPaths::new(1, 1, 2);
-        for place in [place, 100.0] {
-            paths.emission_offset_s.push(0.0);
-            paths.delay_s[0].push(patch.window_s(0) + place / rate_hz);
-            paths.delay_rate[0].push(-1e-7);
-            paths.amplitude[0].push(Complex64::ONE);
-        }
+        let paths = beside_one_within(patch, place);
         let block = patch.fill(&synth, 1, |_| paths.clone());
         let mut exact = vec![Complex64::ZERO; reference.fft_len()];
         reference.spectrum(&paths, patch.window_s(0), &mut exact);
@@ -125,13 +131,7 @@ fn an_exact_reach_ends_where_that_of_the_reference_does() {
         for (edge, inside) in edges.into_iter().zip([1.0, -1.0]) {
             for off in [0.02, 0.1, 0.24, 0.3, 0.49, -0.02, -0.1, -0.24, -0.3, -0.49] {
                 let place = edge + inside * off;
-                let mut paths = ScattererPaths::new(1, 1, 2);
-                for place in [place, 100.0] {
-                    paths.emission_offset_s.push(0.0);
-                    paths.delay_s[0].push(patch.window_s(0) + place / patch.rate_hz);
-                    paths.delay_rate[0].push(-1e-7);
-                    paths.amplitude[0].push(Complex64::ONE);
-                }
+                let paths = beside_one_within(patch, place);
                 let block = patch.fill(&synth, 1, |_| paths.clone());
                 let mut exact = vec![Complex64::ZERO; reference.fft_len()];
                 reference.spectrum(&paths, patch.window_s(0), &mut exact);

@@ -13,7 +13,7 @@ use crate::scene::Patch;
 use crate::scene::patch::{MAX_SIDE, PatchError};
 use crate::scene::radar::{Aim, AimFrom, Pointing, Radar};
 use crate::scene::sea::{PatchPlace, Speckle};
-use crate::units::SPEED_OF_LIGHT_MPS;
+use crate::units::{SPEED_OF_LIGHT_MPS, common_divisor, is_product_of};
 
 /// The patch by `[scene]`.
 pub(super) struct PatchGiven {
@@ -63,23 +63,12 @@ pub(super) fn longest_facet_m(root: &Section<'_>, azimuth_m: f64) -> Option<f64>
 /// The largest facet of at most a length that divides both sides, without large primes, of which transforms
 /// are slow; sides count in millimetres.
 fn dividing_m(size_m: [f64; 2], at_most_m: f64) -> f64 {
-    let [mut a, mut b] = size_m.map(|side_m| (side_m * 1e3).round().clamp(1.0, 1e12) as u64);
-    while b > 0 {
-        (a, b) = (b, a % b);
-    }
-    let common_m = a as f64 / 1e3;
-    let smooth = |n: &u64| {
-        [2, 3, 5, 7].iter().fold(*n, |mut left, prime| {
-            while left % prime == 0 {
-                left /= prime;
-            }
-            left
-        }) == 1
-    };
-    let least = (common_m / at_most_m).ceil().clamp(1.0, 1e12) as u64;
+    let [x_mm, y_mm] = size_m.map(|side_m| (side_m * 1e3).round().clamp(1.0, 1e12) as usize);
+    let common_m = common_divisor(x_mm, y_mm) as f64 / 1e3;
+    let least = (common_m / at_most_m).ceil().clamp(1.0, 1e12) as usize;
     // More are refused in any case.
-    let most = least.max(MAX_SIDE as u64);
-    common_m / (least..=most).find(smooth).unwrap_or(least) as f64
+    let mut counts = least..=least.max(MAX_SIDE);
+    common_m / counts.find(|n| is_product_of(&[2, 3, 5, 7], *n)).unwrap_or(least) as f64
 }
 
 /// Reads the keys of the patch; without a sea they are faults. `longest_m` is the longest facet that will do

@@ -36,6 +36,7 @@ use num_complex::Complex;
 
 use crate::sea::surface::fields::Real;
 use crate::sea::wake::fault::WakeError;
+use crate::units::is_product_of;
 
 /// Cells of the wave-number grid per cell of a critically sampled one, at least.
 pub const OVERSAMPLING: f64 = 1.5;
@@ -254,13 +255,5 @@ fn kernel_transform(beta: f64, turn: f64) -> f64 {
 
 /// The least product of twos, threes and fives that is not below `n`.
 fn smooth(n: usize) -> usize {
-    let rest = |mut n: usize| {
-        for p in [2, 3, 5] {
-            while n.is_multiple_of(p) {
-                n /= p;
-            }
-        }
-        n
-    };
-    (n.max(1)..).find(|&n| rest(n) == 1).unwrap_or(n)
+    (n.max(1)..).find(|n| is_product_of(&[2, 3, 5], *n)).unwrap_or(n)
 }
