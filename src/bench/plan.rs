@@ -114,6 +114,7 @@ pub fn not_kept(plan: &Plan) -> Option<String> {
         ("gain_pulses", asked.gain_pulses.is_some()),
         ("panel_pulses", asked.panel_pulses.is_some()),
         ("sidelobe_db", asked.sidelobe_db.is_some()),
+        ("cutoff_db", asked.cutoff_db.is_some()),
         ("kernel_width", asked.kernel_width.is_some()),
         ("doppler", asked.doppler.is_some()),
     ]

@@ -28,6 +28,7 @@ pub const SETTINGS: &[Setting] = &[
     Setting { key: "fidelity.scatter_pulses", values: &["4", "6", "12"] },
     Setting { key: "fidelity.gain_pulses", values: &["1", "2", "4", "6"] },
     Setting { key: "fidelity.sidelobe_db", values: &["-30.0", "-40.0", "-50.0", "-400.0"] },
+    Setting { key: "fidelity.cutoff_db", values: &["-30.0", "-40.0", "-60.0", "-400.0"] },
     Setting { key: "fidelity.kernel_width", values: &["3", "4", "5", "6", "7"] },
     Setting { key: "fidelity.doppler", values: &["mean", "shift", "taylor", "shift-taylor"] },
 ];
@@ -61,6 +62,7 @@ pub fn settings(chosen: Option<&EchoSettings>) -> Map<String, Value> {
         set("wake_scatter_pulses", json!(pulses));
     }
     set("sidelobe_db", chosen.sidelobe.map_or(json!("none"), |sidelobe| json!(sidelobe.below_db)));
+    set("cutoff_db", chosen.cutoff_db().map_or(json!("none"), |cutoff_db| json!(cutoff_db)));
     set("kernel_width", json!(chosen.echo.width));
     set("oversampling", json!(chosen.echo.oversampling));
     let doppler = match chosen.echo.doppler {

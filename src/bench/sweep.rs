@@ -150,6 +150,7 @@ fn filled(mut run: Run, chosen: &EchoSettings) -> Run {
         asked.gain_pulses.get_or_insert(chosen.gain_pulses);
         asked.panel_pulses = asked.panel_pulses.or(chosen.panel_pulses);
         asked.sidelobe_db.get_or_insert(chosen.sidelobe.map_or(NONE_DB, |sidelobe| sidelobe.below_db));
+        asked.cutoff_db.get_or_insert(chosen.cutoff_db().unwrap_or(NONE_DB));
         asked.kernel_width.get_or_insert(chosen.echo.width);
         asked.doppler.get_or_insert(chosen.echo.doppler);
     }

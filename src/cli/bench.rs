@@ -118,14 +118,16 @@ fn report(
 fn add_speed(report: &mut Report, speed: &Speed) {
     let (costs, facets) = (&speed.costs, speed.facets as f64);
     let illuminated = facets * costs.illuminated_share();
-    let [culled, sidelobe] = [facets * costs.culled_share(), facets * costs.sidelobe_share()];
+    let [culled, sidelobe, beyond] =
+        [costs.culled_share(), costs.sidelobe_share(), costs.beyond_share()].map(|share| facets * share);
     let accumulated = costs.accumulated_per_pulse();
     report
         .row(
             "paths",
             format!(
                 "{}, {} of them facets; {illuminated:.0} facets illuminated, {culled:.0} of them culled; \
-                 {accumulated:.0} accumulated in a pulse; {sidelobe:.0} facets in sidelobe tiles",
+                 {accumulated:.0} accumulated in a pulse; {sidelobe:.0} facets in sidelobe tiles, {beyond:.0} \
+                 beyond the beams",
                 speed.paths, speed.facets
             ),
         )
@@ -134,6 +136,7 @@ fn add_speed(report: &mut Report, speed: &Speed) {
         .value("illuminated", illuminated)
         .value("culled", culled)
         .value("sidelobe", sidelobe)
+        .value("beyond", beyond)
         .value("accumulated", accumulated);
     report.row("channels", speed.channels.to_string()).value("channels", speed.channels);
     report

@@ -34,6 +34,8 @@ pub struct Asked {
     pub panel_pulses: Option<u64>,
     /// Two-way gain of every antenna pair over its peak below which tiles are evaluated less often, dB.
     pub sidelobe_db: Option<f64>,
+    /// Two-way gain of every antenna pair over its peak below which tiles are left out, dB.
+    pub cutoff_db: Option<f64>,
     /// Cells that each scatterer path is spread over.
     pub kernel_width: Option<usize>,
     /// Doppler within a pulse.
@@ -52,6 +54,7 @@ impl Asked {
             gain_pulses: None,
             panel_pulses: None,
             sidelobe_db: None,
+            cutoff_db: None,
             kernel_width: None,
             doppler: None,
             variant: None,

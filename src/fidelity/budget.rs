@@ -23,6 +23,10 @@ pub const BETWEEN_DB: f64 = 10.0;
 /// mean.
 const FINE_SURFACE_DB: f64 = -65.0;
 
+/// Budgets below this have the shadows of few facets from heights found anew, dB: between nodes these are off
+/// by up to some 1e-3 of the soft edge of a shadow.
+const EXACT_SHADOWS_DB: f64 = -60.0;
+
 /// Whether the surface at nodes may be found in f64 for an error; pulses by themselves have no nodes.
 pub fn may_have_fine_surface(asked: &Asked) -> bool {
     asked.error_db < FINE_SURFACE_DB && !Budget::of(asked).exact
@@ -82,6 +86,11 @@ pub(super) struct Budget {
 }
 
 impl Budget {
+    /// Whether shadows of few facets are those of the reference.
+    pub fn needs_exact_shadows(&self) -> bool {
+        self.asked.error_db < EXACT_SHADOWS_DB
+    }
+
     pub fn of(asked: &Asked) -> Self {
         let exact = asked.node_pulses.map_or(asked.error_db <= EXACT_DB, |node_pulses| node_pulses <= 1);
         Self {

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use super::cost::Size;
 use super::echo_settings::{EchoSettings, block_length, block_pulses};
-use super::probe::{ErrorSampler, unit_of};
+use super::probe::{ErrorSampler, is_coarse, unit_of};
 use super::search::Search;
 use super::synth_choice::Echoes;
 use super::{PlanError, Prediction};
@@ -52,12 +52,13 @@ pub struct Chooser<'a> {
     gain_steps: Vec<u64>,
 }
 
-/// What is asked that a sample depends on: sidelobe threshold, pulses of gains and of panels, precision of
-/// the surface.
-type Given = (Option<f64>, [Option<u64>; 2], bool);
+/// What is asked that a sample depends on: thresholds of sidelobe tiles and of those left out, pulses of gains
+/// and of panels, precision of the surface, length of units.
+type Given = ([Option<f64>; 2], [Option<u64>; 2], [bool; 2]);
 
 fn given(asked: &Asked, fine_surface: bool) -> Given {
-    (asked.sidelobe_db, [asked.gain_pulses, asked.panel_pulses], fine_surface)
+    let steps = [asked.gain_pulses, asked.panel_pulses];
+    ([asked.sidelobe_db, asked.cutoff_db], steps, [fine_surface, is_coarse(asked.error_db)])
 }
 
 impl<'a> Chooser<'a> {
@@ -83,14 +84,14 @@ impl<'a> Chooser<'a> {
     ) -> Result<Self, PlanError> {
         // Steps that are given need not be whole units.
         let whole = asked.gain_pulses.or(asked.panel_pulses).is_none() && generator.range_ratio()? <= UNEVEN;
-        let unit = if whole { unit_of(&scene.radar, scene.pulses) } else { 1 };
+        let unit = if whole { unit_of(&scene.radar, scene.pulses, is_coarse(asked.error_db)) } else { 1 };
         let of_run = (scene.pulses, unit);
         let mut sampler = ErrorSampler::new(
             generator,
             &scene.radar,
             waveform.as_ref(),
             of_run,
-            (asked.sidelobe_db, fine_surface),
+            (asked.sidelobe_db, asked.cutoff_db, fine_surface),
         )?;
         // No interpolation knows of a jump, and probes may miss it.
         let free = |steps: &[u64]| if generator.aim_jumps() { vec![1] } else { in_units(steps, unit, 1) };
@@ -137,8 +138,8 @@ impl<'a> Chooser<'a> {
         let lengths = spacings.iter().filter(|_| !budget.exact).map(length);
         let blocks: Vec<u64> = [1].into_iter().chain(lengths).collect();
         let synth = Echoes { scene, generator, waveform }.choose(sampler, &budget, &blocks)?;
-        let kept = sampler.kept(budget.least_power);
-        let size = Size::of(scene, generator, &synth.settings, waveform.as_ref(), kept);
+        let omission = sampler.omission(&budget);
+        let size = Size::of(scene, generator, &synth.settings, waveform.as_ref(), omission.kept);
         let one_by_one = |gain_pulses: u64| {
             let chosen = EchoSettings {
                 node_pulses: 1,
@@ -150,10 +151,12 @@ impl<'a> Chooser<'a> {
                 panel_pulses,
                 sidelobe: None,
                 sidelobe_share: 0.0,
+                beyond_share: 0.0,
                 between: None,
                 least_power: budget.least_power,
                 precision: budget.precision,
                 fine_surface: false,
+                exact_shadows: true,
                 echo: synth.single,
             };
             let prediction = Prediction { echo: synth.single_error, ..Prediction::default() };
@@ -171,8 +174,8 @@ impl<'a> Chooser<'a> {
             scene,
             generator,
             sampler,
-            (budget, &synth, size),
-            (gain_steps.clone(), panel_pulses, self.given.2),
+            (budget, &synth, size, omission),
+            (gain_steps.clone(), panel_pulses, self.given.2[0]),
         );
         let best = search.best(sampler, &spacings)?.unwrap_or_else(|| one_by_one(1));
         if !best.keeps() && asked.node_pulses.is_none() {

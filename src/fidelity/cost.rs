@@ -66,7 +66,7 @@ pub struct CostTable(pub [f64; PIECES]);
 impl CostTable {
     /// Of a common machine: one core with AVX-512, found from profiles of `mars-1` and `mars-4`.
     pub const TABLE: Self = Self([
-        50e-9, 10e-9, 20e-9, 21e-9, 0.8e-9, 1.4e-9, 0.35e-9, 7.5e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9, 5e-6,
+        50e-9, 6e-9, 20e-9, 21e-9, 0.8e-9, 1.4e-9, 0.35e-9, 7.5e-9, 0.17e-9, 0.05e-9, 800e-9, 0.1e-9, 5e-6,
         2e-9,
     ]);
 
@@ -248,7 +248,7 @@ impl Size {
             ..
         } = *self;
         let wide = if chosen.precision == Precision::Double { 2.0 } else { 1.0 };
-        let sidelobe = chosen.sidelobe_share;
+        let (sidelobe, beyond) = (chosen.sidelobe_share, chosen.beyond_share.min(chosen.sidelobe_share));
         // Amplitudes through two scattering epochs are straight lines.
         let straight = chosen.sidelobe.is_some_and(|sidelobe| sidelobe.epochs <= 2);
         let amplitude = if straight { 4.0 - 2.0 * sidelobe } else { 4.0 };
@@ -277,7 +277,7 @@ impl Size {
             [step, step_of_sidelobe].map(|step| gain_instants(block as usize, step).count() as f64);
         // Of all tiles, to find the sidelobe tiles.
         let sorted = if chosen.sidelobe.is_some() { of_sidelobe } else { 0.0 };
-        let either = |close: f64, few: f64| (1.0 - sidelobe) * close + sidelobe * few;
+        let either = |close: f64, few: f64| (1.0 - sidelobe) * close + (sidelobe - beyond) * few;
         let few_epochs = chosen.sidelobe.map_or(0.0, |sidelobe| sidelobe.epochs as f64);
         let [nodes, few] = [NODES, SIDELOBE_NODES].map(|n| n as f64);
         let stretches = (pulses / (3 * chosen.panel_pulses.unwrap_or(1) + 1) as f64).ceil();
@@ -286,12 +286,12 @@ impl Size {
         Work([
             per_block(nodes * surface * if chosen.fine_surface { 2.0 } else { 1.0 }),
             per_block(updates * antennas),
-            per_block(again * either(nodes, few) * pairs),
+            per_block(again * (either(nodes, few) + beyond * few) * pairs),
             per_block(again * either(epochs, few_epochs) * pairs),
             per_block(again * either(epochs, few_epochs) * channels),
             per_block(again * (either(instants, 0.0) + sorted) * pairs),
-            again * facets * pairs,
-            per_block(parts * either(3.0, 1.0) * kept * pairs),
+            again * facets * (1.0 - beyond) * pairs,
+            per_block(parts * either(3.0, 1.0).min(3.0 * kept) * pairs),
             parts * spread,
             transform,
             0.0,

@@ -1,5 +1,6 @@
 //! Settings of the fast echo: what is chosen for a requested error.
 
+use super::sidelobe::NONE_DB;
 use crate::echo::synth::{Precision, Settings};
 use crate::paths::block::{NODES, Sidelobe};
 
@@ -22,8 +23,9 @@ pub struct EchoSettings {
     pub panel_pulses: Option<u64>,
     /// Tiles that are evaluated less often, if any are.
     pub sidelobe: Option<Sidelobe>,
-    /// Share of the facets in sidelobe tiles, mean over the run.
+    /// Share of the facets in sidelobe tiles, mean over the run, and in those beyond the beams, left out.
     pub sidelobe_share: f64,
+    pub beyond_share: f64,
     /// Share of its power that a tile may lack where it is evaluated at some pulses alone, its supports;
     /// `None`: at every pulse.
     pub between: Option<f64>,
@@ -33,6 +35,8 @@ pub struct EchoSettings {
     pub precision: Precision,
     /// Whether the surface at nodes is found in f64, and rounded at the end.
     pub fine_surface: bool,
+    /// Whether shadows of few facets are those of the reference.
+    pub exact_shadows: bool,
     /// The settings of the echo.
     pub echo: Settings,
 }
@@ -45,6 +49,11 @@ impl EchoSettings {
         } else {
             block_length(self.node_pulses, self.overlap_pulses, hold_pulses)
         }
+    }
+
+    /// Two-way gain below which tiles are left out, if any are, dB.
+    pub fn cutoff_db(&self) -> Option<f64> {
+        self.sidelobe.map(|sidelobe| sidelobe.cutoff_db).filter(|cutoff_db| *cutoff_db > NONE_DB)
     }
 
     /// Pulses from one scattering epoch to the next.

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use super::cost::{CostTable, Size};
 use super::echo_settings::{EchoSettings, block_length, block_pulses};
-use super::probe::{ErrorSampler, InterpolationError, Powers, Probed, Sweeps, Swept};
+use super::probe::{ErrorSampler, InterpolationError, Omission, Powers, Probed, Sweeps, Swept};
 use super::sidelobe::Candidates;
 use super::synth_choice::SynthChoice;
 use super::{PlanError, Prediction};
@@ -91,7 +91,7 @@ pub(super) struct Search<'a> {
     candidates: Candidates,
     thresholds: Vec<Candidate>,
     power: Powers,
-    culled: Powers,
+    omission: Omission,
     in_flight: f64,
     hold_pulses: Option<u64>,
     overlap_pulses: u64,
@@ -108,15 +108,15 @@ impl<'a> Search<'a> {
         scene: &Scene,
         generator: &PathGenerator,
         sampler: &mut ErrorSampler<'_>,
-        (budget, synth, size): (Budget, &'a SynthChoice, Size),
+        (budget, synth, size, omission): (Budget, &'a SynthChoice, Size, Omission),
         (gain_steps, panel_pulses, fine_surface): (Vec<u64>, Option<u64>, bool),
     ) -> Self {
         let has_sea = generator.facets() > 0;
-        let culled = sampler.culled(budget.least_power).clone();
         let candidates = sampler.candidates().clone();
         let of = |n: usize| {
             let sidelobe = candidates.thresholds_db()[n].filter(|_| has_sea);
-            let sidelobe = sidelobe.map(|below_db| Sidelobe { below_db, epochs: sampler.sidelobe_epochs() });
+            let (epochs, cutoff_db) = (sampler.sidelobe_epochs(), omission.cutoff_db);
+            let sidelobe = sidelobe.map(|below_db| Sidelobe { below_db, epochs, cutoff_db });
             Candidate { n, sidelobe, sidelobe_share: sampler.sidelobe_share(n) }
         };
         // Where facets turn away single ones count.
@@ -138,7 +138,7 @@ impl<'a> Search<'a> {
             thresholds,
             candidates,
             power: sampler.power().clone(),
-            culled,
+            omission,
             in_flight: 10f64.powf(WORST_BOUNCE_DB / 10.0) * super::in_flight(scene, generator),
             hold_pulses: generator.hold_pulses(),
             overlap_pulses: generator.overlap_pulses().unwrap_or(0),
@@ -306,17 +306,19 @@ impl<'a> Search<'a> {
             panel_pulses: self.panel_pulses,
             sidelobe: candidate.sidelobe,
             sidelobe_share: candidate.sidelobe_share,
+            beyond_share: candidate.sidelobe.map_or(0.0, |_| self.omission.beyond_share),
             between: self.between,
-            least_power: self.budget.least_power,
+            least_power: self.omission.least_power,
             precision: self.budget.precision,
             fine_surface: self.fine_surface,
+            exact_shadows: self.budget.needs_exact_shadows(),
             echo: self.synth.settings,
         }
     }
 
     fn predict(&self, echo: PredictedError, left: &[InterpolationError], gain: &Gain) -> Prediction {
         let judge = Judge { power: &self.power };
-        let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &self.culled);
+        let [path, tilt, gain, culled] = judge.worst(left, (&gain.swept, gain.pulses), &self.omission.power);
         let between = self.between_of_strongest;
         let in_flight = self.in_flight;
         Prediction { echo, path, tilt, gain, culled, between, in_flight, ..Prediction::default() }

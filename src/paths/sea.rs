@@ -507,8 +507,7 @@ impl SeaPlan {
         let (Some(visibility), Some(updates)) = (&self.visibility, updates) else { return Ok(None) };
         let earth = reception.surroundings.frame.earth();
         let scenery = |elapsed_s, places: &mut [Point<Enu>]| self.scenery(reception, elapsed_s, places);
-        let lower = |[x, y]: [f64; 2]| earth.drop_m(x, y);
-        visibility.at(updates, reception.elapsed_s, scenery, lower).map(Some)
+        visibility.at(updates, reception.elapsed_s, scenery, earth).map(Some)
     }
 
     /// The patch of an emission that was visited, and the visibility of its facets.

@@ -179,13 +179,13 @@ impl Visibility {
     }
 
     /// Makes an update, unless it is held. `scenery` gives the patch and the place of every antenna at a
-    /// time, and `lower` the fall of the mean surface at a place, m.
+    /// time; the mean surface is that of `earth`.
     pub fn update<'a, T: Real, E: From<WakeError> + From<ShadowError>>(
         &self,
         updates: &'a mut Updates<T>,
         wanted: u64,
         mut scenery: impl FnMut(f64, &mut [Point<Enu>]) -> Result<Patch, E>,
-        lower: impl Fn([f64; 2]) -> f64,
+        earth: Earth,
     ) -> Result<&'a Update, E> {
         let Updates { facet_surface, fields, heights_m, shadow, held } = updates;
         // Even and odd updates have a place each, so the pair needed next always keeps the one at hand.
@@ -209,7 +209,7 @@ impl Visibility {
         }
         facet_surface.evaluate(time_s, &update.patch, fields)?;
         heights_m.iter_mut().zip(&fields.height_m).for_each(|(to, from)| *to = from.widen());
-        self.weigh(shadow, time_s, heights_m, lower, places, update)?;
+        self.weigh(shadow, time_s, heights_m, earth, places, update)?;
         update.number = Some(wanted);
         Ok(update)
     }
@@ -221,11 +221,11 @@ impl Visibility {
         (time_s, patch): (f64, &Patch),
         heights_m: &mut [f64],
         places: &[Point<Enu>],
-        lower: impl Fn([f64; 2]) -> f64,
+        earth: Earth,
         update: &mut Update,
     ) -> Result<(), E> {
         update.patch = *patch;
-        self.weigh(shadow, time_s, heights_m, lower, places, update)?;
+        self.weigh(shadow, time_s, heights_m, earth, places, update)?;
         Ok(())
     }
 
@@ -234,14 +234,17 @@ impl Visibility {
         shadow: &mut Shadow<f64>,
         time_s: f64,
         heights_m: &mut [f64],
-        lower: impl Fn([f64; 2]) -> f64,
+        earth: Earth,
         places: &[Point<Enu>],
         update: &mut Update,
     ) -> Result<(), ShadowError> {
         let patch = update.patch;
-        for (row, heights_m) in heights_m.chunks_exact_mut(patch.facets[0]).enumerate() {
+        let rows = heights_m.chunks_exact_mut(patch.facets[0]).enumerate();
+        for (row, heights_m) in rows.filter(|_| earth != Earth::Flat) {
             for (column, z) in heights_m.iter_mut().enumerate() {
-                *z -= lower(patch.centre_m([patch.first[0] + column as i64, patch.first[1] + row as i64]));
+                let key = [patch.first[0] + column as i64, patch.first[1] + row as i64];
+                let [x_m, y_m] = patch.centre_m(key);
+                *z -= earth.drop_m(x_m, y_m);
             }
         }
         let map = Map::new(heights_m, patch.facets, patch.facet_m, patch.centre_m(patch.first))?;
@@ -254,8 +257,8 @@ impl Visibility {
             }
             let place = places[antenna];
             let waves = self.waves && !relief.cannot_shadow(&map, place, self.settings);
-            let earth = !self.within_horizon(place, &patch);
-            let mut whole = !waves && !earth && self.two_rays.is_none();
+            let beyond = !self.within_horizon(place, &patch);
+            let mut whole = !waves && !beyond && self.two_rays.is_none();
             let (weights, dimmed) = (&mut update.weights[antenna], &mut update.dimmed[antenna]);
             if !whole {
                 *dimmed = None;
@@ -265,11 +268,11 @@ impl Visibility {
             } else if !whole {
                 weights.fill(1.0);
             }
-            if earth {
+            if beyond {
                 self.set_behind_earth(place, &patch, heights_m, weights);
             }
             if let Some(two_rays) = &self.two_rays {
-                self.add_reflected(two_rays, place, (&patch, &*heights_m), &lower, weights);
+                self.add_reflected(two_rays, place, (&patch, &*heights_m), earth, weights);
             }
             if let Some(hulls) = &self.hulls {
                 let width = patch.facets[0];
@@ -316,7 +319,7 @@ impl Visibility {
         two_rays: &TwoRays,
         place: Point<Enu>,
         (patch, heights_m): (&Patch, &[f64]),
-        lower: impl Fn([f64; 2]) -> f64,
+        earth: Earth,
         weights: &mut [f64],
     ) {
         let [columns, rows] = patch.facets;
@@ -341,9 +344,9 @@ impl Visibility {
                 between(below * columns + column, above * columns + column, above - below),
             );
             // Of the mean surface on a curved earth, over a metre to either side.
-            let mean_rise =
-                0.5 * (lower([x_m - level.x, y_m - level.y]) - lower([x_m + level.x, y_m + level.y]));
-            let height_m = heights_m[index] + lower([x_m, y_m]);
+            let before_m = earth.drop_m(x_m - level.x, y_m - level.y);
+            let mean_rise = 0.5 * (before_m - earth.drop_m(x_m + level.x, y_m + level.y));
+            let height_m = heights_m[index] + earth.drop_m(x_m, y_m);
             let sine = ray.z / ray.length() - mean_rise;
             *weight *= two_rays.field(height_m, sine, mean_rise - rise.dot(level));
         }
@@ -366,11 +369,11 @@ impl Visibility {
         updates: &'a mut Updates,
         elapsed_s: f64,
         mut scenery: impl FnMut(f64, &mut [Point<Enu>]) -> Result<Patch, E>,
-        lower: impl Fn([f64; 2]) -> f64,
+        earth: Earth,
     ) -> Result<Mix<'a>, E> {
         let (number, share) = self.share(elapsed_s);
         for wanted in [number, number + 1] {
-            self.update(updates, wanted, &mut scenery, &lower)?;
+            self.update(updates, wanted, &mut scenery, earth)?;
         }
         let [even, odd] = &updates.held;
         let (before, after) = if number.is_multiple_of(2) { (even, odd) } else { (odd, even) };

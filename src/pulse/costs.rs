@@ -90,6 +90,8 @@ pub struct Counts {
     pub culled: u64,
     /// Facets of sidelobe tiles, which are evaluated less often.
     pub sidelobe: u64,
+    /// Facets of tiles beyond the beams, which are left out.
+    pub beyond: u64,
     /// Scatterer paths accumulated, counted again in every pulse and for every pair of antennas.
     pub accumulated: u64,
 }
@@ -126,9 +128,10 @@ impl Costs {
         self.counts.culled += culled as u64;
     }
 
-    /// Counts facets of sidelobe tiles.
-    pub fn looked_at_less(&mut self, facets: usize) {
-        self.counts.sidelobe += facets as u64;
+    /// Counts facets of sidelobe tiles, and of tiles beyond the beams.
+    pub fn looked_at_less(&mut self, sidelobe: usize, beyond: usize) {
+        self.counts.sidelobe += sidelobe as u64;
+        self.counts.beyond += beyond as u64;
     }
 
     /// Counts scatterer paths that were accumulated in one pulse.
@@ -144,12 +147,13 @@ impl Costs {
     /// Takes in what another worker has spent and counted.
     pub fn add(&mut self, other: &Self) {
         self.spent.iter_mut().zip(other.spent).for_each(|(to, from)| *to += from);
-        let Counts { pulses, facets, illuminated, culled, sidelobe, accumulated } = other.counts;
+        let Counts { pulses, facets, illuminated, culled, sidelobe, beyond, accumulated } = other.counts;
         self.counts.pulses += pulses;
         self.counts.facets += facets;
         self.counts.illuminated += illuminated;
         self.counts.culled += culled;
         self.counts.sidelobe += sidelobe;
+        self.counts.beyond += beyond;
         self.counts.accumulated += accumulated;
     }
 
@@ -181,6 +185,11 @@ impl Costs {
     /// Share of the facets in sidelobe tiles, 0 to 1.
     pub fn sidelobe_share(&self) -> f64 {
         share(self.counts.sidelobe, self.counts.facets)
+    }
+
+    /// Share of the facets in tiles beyond the beams, 0 to 1.
+    pub fn beyond_share(&self) -> f64 {
+        share(self.counts.beyond, self.counts.facets)
     }
 
     /// Scatterer paths accumulated in a pulse, mean.
@@ -236,13 +245,20 @@ mod tests {
     fn workers_are_summed() {
         let mut one = Costs::default();
         one.looked_at(10, 6, 1);
-        one.looked_at_less(4);
+        one.looked_at_less(4, 1);
         one.accumulated(5);
         one.made();
         let mut both = one;
         both.add(&one);
-        let expected =
-            Counts { pulses: 2, facets: 20, illuminated: 12, culled: 2, sidelobe: 8, accumulated: 10 };
+        let expected = Counts {
+            pulses: 2,
+            facets: 20,
+            illuminated: 12,
+            culled: 2,
+            sidelobe: 8,
+            beyond: 2,
+            accumulated: 10,
+        };
         assert_eq!(both.counts(), expected);
         assert_eq!(
             (both.illuminated_share(), both.culled_share(), both.accumulated_per_pulse()),

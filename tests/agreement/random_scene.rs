@@ -26,6 +26,9 @@ const ENDS: u64 = 0xE4D5;
 const EMITTERS: u64 = 0x0E17;
 /// And those of errors between blocks and exact pulses.
 const FINE: u64 = 0xF1E;
+/// The same of coarse errors, and of narrow beams.
+const COARSE: u64 = 0xC0A5E;
+const NARROW: u64 = 0x4A660;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
@@ -203,6 +206,8 @@ pub fn random_scene(seed: u64) -> RandomScene {
     let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
     let mut fine = Draw(ChaCha8Rng::seed_from_u64(seed ^ FINE));
     let asked_db = if fine.chance(0.08) { fine.one(&[-90.0, -95.0]) } else { asked_db };
+    let mut coarse = Draw(ChaCha8Rng::seed_from_u64(seed ^ COARSE));
+    let asked_db = if coarse.chance(0.2) { coarse.one(&[-20.0, -25.0, -30.0, -35.0]) } else { asked_db };
     let family = geometry.kind.name;
     let partner = if geometry.bistatic { format!(" and {}", geometry.partner.name) } else { String::new() };
     let mut text = format!("# Random scene {seed}: {family}{partner}.\n");
@@ -214,7 +219,9 @@ pub fn random_scene(seed: u64) -> RandomScene {
     on_the_sea(&mut draw, &geometry, &mut text);
     radar(&mut draw, &mut slow, (&geometry, &signal), &mut text);
     platforms(&mut draw, &geometry, &mut text);
-    antennas(&mut draw, &geometry, &mut text);
+    let mut narrow = Draw(ChaCha8Rng::seed_from_u64(seed ^ NARROW));
+    let times = if narrow.chance(0.2) { narrow.log(0.05, 0.5) } else { 1.0 };
+    antennas(&mut draw, &geometry, times, &mut text);
     more_ends(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ ENDS)), (&geometry, &signal), &mut text);
     emitters(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ EMITTERS)), (&geometry, &signal), &mut text);
     line!(text, "[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
@@ -485,7 +492,7 @@ fn platforms(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
     }
 }
 
-fn antennas(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
+fn antennas(draw: &mut Draw, geometry: &Geometry, times: f64, out: &mut String) {
     let Geometry { size_m, own, other, .. } = geometry;
     let wavelength_m = LIGHT_MPS / geometry.carrier_hz;
     for (n, role) in ["transmitter", "receiver"].into_iter().enumerate() {
@@ -493,9 +500,9 @@ fn antennas(draw: &mut Draw, geometry: &Geometry, out: &mut String) {
         let flight = if n == 0 { own } else { other };
         let range_m = flight.position_m.iter().map(|x| x * x).sum::<f64>().sqrt();
         let size = size_m[0].max(size_m[1]);
-        // A beam of a third of the patch to many times it.
+        // A beam of a third of the patch to many times it, and sometimes narrower.
         let mut across =
-            || (wavelength_m * range_m / (size * draw.log(0.4, 8.0))).clamp(0.6 * wavelength_m, 12.0);
+            || (wavelength_m * range_m / (size * times * draw.log(0.4, 8.0))).clamp(0.6 * wavelength_m, 12.0);
         let (width_m, height_m) = (across(), across());
         let antenna = match draw.0.next_u64() % 10 {
             0..=1 => format!("{{ kind = \"isotropic\", gain_dbi = {:?} }}", draw.between(0.0, 20.0)),

@@ -7,6 +7,7 @@
 //! | --- | --- | --- |
 //! | `NEREUS_SCENES` | how many scenes | 12 times `NEREUS_CASES` |
 //! | `NEREUS_SEED` | seed of the first; the others follow | 1 |
+//! | `NEREUS_ERROR_DB` | the error that is asked, dB | as drawn |
 //! | `NEREUS_SHOW` | a folder that gets `scene-SEED.toml` of each, for `nereus bench FILE --error-pulses all` | none |
 //!
 //! `NEREUS_SEED=77 NEREUS_SCENES=1 cargo test --test agreement random_scenes -- --nocapture`
@@ -69,12 +70,17 @@ struct Found {
 }
 
 fn measure(seed: u64) -> Result<Found, String> {
-    let scene = random_scene(seed);
+    let mut scene = random_scene(seed);
     if let Some(folder) = std::env::var_os("NEREUS_SHOW") {
         std::fs::write(Path::new(&folder).join(format!("scene-{seed}.toml")), &scene.text).unwrap();
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scene-{seed}.toml"));
-    let run = config::parse(&scene.text, &path, &[]).map_err(|error| error.to_string())?;
+    let mut changes = Vec::new();
+    if let Ok(error_db) = std::env::var("NEREUS_ERROR_DB") {
+        scene.asked_db = error_db.parse().unwrap();
+        changes.push(("fidelity.error_db".to_owned(), error_db));
+    }
+    let run = config::parse(&scene.text, &path, &changes).map_err(|error| error.to_string())?;
     let begun = std::time::Instant::now();
     let plan = *build::stream(&run, 0..run.scene.pulses)
         .map_err(|error| error.to_string())?

@@ -12,6 +12,7 @@ tables! {
         GAIN_PULSES "gain_pulses", count(1, 341), Means("chosen for error_db"), "fast: pulses from one instant at which antenna gains are found to the next.";
         PANEL_PULSES "panel_pulses", count(1, 341), Means("chosen for error_db"), "fast: pulses from one instant at which the panels of ships are evaluated to the next.";
         SIDELOBE_DB "sidelobe_db", number("dB", -400.0, 0.0), Means("chosen for error_db"), "fast: two-way gain below the peak of its antennas at which a tile of 16 x 16 facets is evaluated less often: paths and scattering at the ends of a block only (scattering in its middle, too, where facets turn away), gains at two thirds of the instants; -400: none is.";
+        CUTOFF_DB "cutoff_db", number("dB", -400.0, 0.0), Means("chosen for error_db"), "fast: two-way gain below the peak of its antennas at which a tile of 16 x 16 facets is left out, where there are sidelobe tiles; -400: none is.";
         KERNEL_WIDTH "kernel_width", count(2, 8), Means("chosen for error_db"), "fast: cells over which a path is spread; about 20 dB per cell.";
         DOPPLER "doppler", Choice(words::<Doppler>), Means("chosen for error_db"), "fast: Doppler within a pulse by its mean; to first order; by a shift of delay, alone or with what that leaves to first order (linear sweeps).";
     }

@@ -133,8 +133,8 @@ fn relax_db(section: &Section<'_>, policy: Option<Policy>, fidelity: Option<&Fid
 /// `[fidelity]`.
 pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
     use keys::fidelity::{
-        DOPPLER, ECHO, ERROR_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, PANEL_PULSES, SCATTER_PULSES,
-        SIDELOBE_DB,
+        CUTOFF_DB, DOPPLER, ECHO, ERROR_DB, GAIN_PULSES, KERNEL_WIDTH, NODE_PULSES, PANEL_PULSES,
+        SCATTER_PULSES, SIDELOBE_DB,
     };
     let section = root.section_or_empty(&keys::root::FIDELITY)?;
     let echo = section.choice(&ECHO);
@@ -147,6 +147,7 @@ pub(super) fn fidelity(root: &Section<'_>) -> Option<Fidelity> {
         gain_pulses: section.count(&GAIN_PULSES),
         panel_pulses: section.count(&PANEL_PULSES),
         sidelobe_db: section.number(&SIDELOBE_DB),
+        cutoff_db: section.number(&CUTOFF_DB),
         kernel_width: width.and_then(|width| usize::try_from(width).ok()),
         doppler,
         ..Asked::default()

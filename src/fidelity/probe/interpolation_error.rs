@@ -156,7 +156,7 @@ impl ErrorSampler<'_> {
         let Some(tiles) = &mut self.tiles else { return Ok(found) };
         let (candidates, interval_s) = (&self.candidates, self.interval_s);
         let waves = (self.radar.carrier_hz, 0.5 * self.pulse_s);
-        let all = Sidelobe { below_db: f64::INFINITY, epochs: sidelobe_epochs };
+        let all = Sidelobe::everywhere(sidelobe_epochs);
         let has_wakes = self.generator.has_short_waves();
         let each = &WAKE_EPOCHS[..if has_wakes { WAKE_EPOCHS.len() } else { EPOCHS_PER_NODE }];
         let (mut facets, mut in_wakes) = (0, 0);

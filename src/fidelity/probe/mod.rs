@@ -36,6 +36,7 @@ mod exact;
 mod interpolation_error;
 mod known;
 mod line;
+mod omitted;
 pub mod points;
 mod profile;
 mod pulses;
@@ -52,7 +53,7 @@ use crate::fidelity::echo_settings::block_pulses;
 use crate::fidelity::sidelobe::Candidates;
 use crate::geometry::lanes::Row;
 use crate::paths::block::probe::{Keep, SampledTile};
-use crate::paths::block::{FEW, Instants, TileWork};
+use crate::paths::block::{Instants, TileWork};
 use crate::paths::{PathGenerator, Workspace};
 use crate::radar::fault::RadarError;
 use crate::radar::waveform::Waveform;
@@ -62,7 +63,9 @@ use exact::ExactPulse;
 use points::{Law, Points};
 
 pub use interpolation_error::{InterpolationError, Probed};
-pub use pulses::{LONGEST, spread_over, unit_of};
+pub use omitted::Omission;
+use omitted::Omitted;
+pub use pulses::{LONGEST, is_coarse, spread_over, unit_of};
 pub use sweep::{Sweeps, Swept};
 
 /// Tiles of 256 facets of a sample.
@@ -95,6 +98,8 @@ struct Truth {
     count: usize,
     /// Lanes of each run of neighbours, and bin of its gain.
     runs: Vec<(Range<usize>, usize)>,
+    /// For each run, what of its peak the two-way gain of field has at most.
+    gains: Vec<f32>,
     delay_s: Vec<f64>,
     rate: Vec<f64>,
     amplitude: Vec<[Row; 2]>,
@@ -160,10 +165,7 @@ pub struct ErrorSampler<'a> {
     power: Powers,
     highest: Powers,
     points: Points,
-    /// Share of the facets, mean over the run, above each of [`LEASTS`] times the mean power and not dark.
-    kept: Vec<f64>,
-    /// Power of facets below each of [`LEASTS`] times the mean.
-    culled: Vec<Powers>,
+    omitted: Omitted,
     candidates: Candidates,
     /// Facets of each bin of gain, sum over the run.
     gains: Vec<f64>,
@@ -173,12 +175,9 @@ pub struct ErrorSampler<'a> {
     known: Known,
 }
 
-/// Powers of a facet over the mean below which it may be left out.
-pub const LEASTS: [f64; 9] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 0.0];
-
 impl<'a> ErrorSampler<'a> {
-    /// For a run of so many pulses in units of some, with the sidelobe threshold and whether surfaces are
-    /// found in f64; illuminates the sample once at every place.
+    /// For a run of so many pulses in units of some, with the thresholds of sidelobe tiles and of
+    /// those left out, and whether surfaces are found in f64; illuminates the sample once at every place.
     ///
     /// # Errors
     /// A track that ends before the run.
@@ -187,7 +186,7 @@ impl<'a> ErrorSampler<'a> {
         radar: &'a Radar,
         waveform: &dyn Waveform,
         (pulses, unit): (u64, u64),
-        (sidelobe_db, fine_surface): (Option<f64>, bool),
+        (sidelobe_db, cutoff_db, fine_surface): (Option<f64>, Option<f64>, bool),
     ) -> Result<Self, RadarError> {
         let candidates = Candidates::new(sidelobe_db);
         let bandwidth_hz = waveform.bandwidth_hz();
@@ -205,7 +204,7 @@ impl<'a> ErrorSampler<'a> {
             pulses,
             unit,
             memory: generator.workspace(),
-            tiles: generator.tile_work(Variant::fastest(), None, fine_surface),
+            tiles: generator.tile_work(Variant::fastest(), None, [fine_surface, true]),
             places: Vec::new(),
             channels,
             interval_s: radar.emissions.mean_pri_s(),
@@ -217,8 +216,7 @@ impl<'a> ErrorSampler<'a> {
             power: vec![0.0; all],
             highest: vec![0.0; all],
             points: Points::default(),
-            kept: vec![0.0; LEASTS.len()],
-            culled: vec![vec![0.0; all]; LEASTS.len()],
+            omitted: Omitted::new(all, cutoff_db),
             gains: vec![0.0; candidates.bins()],
             candidates,
             bandwidths_hz: Vec::new(),
@@ -252,29 +250,6 @@ impl<'a> ErrorSampler<'a> {
             }
         }
         self.turning |= cosines.as_flattened().iter().any(Cosines::reach_zero);
-    }
-
-    /// Adds the shares of facets that are worth to be spread at one of `pulses` pulses.
-    fn count_kept(&mut self, truths: &[Truth], pulses: f64) {
-        let pairs = self.channels.len().max(1);
-        for pair in 0..pairs {
-            let sums: Vec<[f64; 2]> = truths
-                .iter()
-                .skip(pair)
-                .step_by(pairs)
-                .flat_map(|truth| (0..truth.count).map(|i| [truth.power(i), truth.received(i)]))
-                .collect();
-            let mean = sums.iter().map(|[_, received]| received).sum::<f64>() / sums.len().max(1) as f64;
-            for (least, kept) in LEASTS.iter().zip(&mut self.kept) {
-                let above = sums.iter().filter(|[sum, _]| *sum > 0.0 && *sum >= least * mean).count();
-                *kept += above as f64 / (sums.len().max(1) * pairs) as f64 / pulses;
-            }
-        }
-    }
-
-    /// Share of the facets that is spread where those below a share of the mean power are left out.
-    pub fn kept(&self, least: f64) -> f64 {
-        self.kept[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
     }
 
     /// Powers of a sample at a pulse, and those that the worst of pulses like it may have.
@@ -356,11 +331,6 @@ impl<'a> ErrorSampler<'a> {
         self.fastest.max(self.points.fastest)
     }
 
-    /// Power of facets that fall below a share of the mean power, at the worst place.
-    pub fn culled(&self, least: f64) -> &Powers {
-        &self.culled[LEASTS.iter().rposition(|known| *known >= least).unwrap_or(0)]
-    }
-
     /// Mean Doppler of each pair, and groups of facets of equal power with the rms of what is off it, Hz.
     pub fn dopplers(&self) -> Vec<(f64, Vec<f64>)> {
         let mut of_pairs = Vec::new();
@@ -393,12 +363,10 @@ impl<'a> ErrorSampler<'a> {
         let patch = self.places[place].patch;
         let truths = self.illuminate(first, patch.as_ref(), Keep::default())?;
         let (scale, pairs) = (self.radar.carrier_hz, self.channels.len());
-        let mut means_w = vec![0.0; pairs];
         for (n, truth) in truths.iter().enumerate() {
             let pair = n % pairs;
             for i in 0..truth.count {
                 let sum = truth.received(i);
-                means_w[pair] += sum;
                 if sum > 0.0 {
                     self.dopplers.push((pair, scale * truth.rate[i], sum));
                     self.fastest = self.fastest.max(truth.rate[i].abs());
@@ -406,43 +374,8 @@ impl<'a> ErrorSampler<'a> {
             }
         }
         self.bandwidths_hz.extend(truths.iter().map(|truth| truth.bandwidth_hz(self.radar)));
-        let facets: usize = truths.iter().step_by(pairs.max(1)).map(|truth| truth.count).sum();
-        means_w.iter_mut().for_each(|mean| *mean /= facets.max(1) as f64);
-        self.leave_out(&truths, &means_w);
         self.add_exact_at(first, patch.as_ref())?;
         self.add_points_at(first)
-    }
-
-    /// Power of the facets that tiles leave out at a pulse: those whose strongest channel is weak over every
-    /// pair, of runs that lose enough of them, as tiles would have to. Facets that are dark count among the
-    /// lost.
-    fn leave_out(&mut self, truths: &[Truth], means_w: &[f64]) {
-        let mut sums = vec![vec![0.0; self.power.len()]; LEASTS.len()];
-        for tile in truths.chunks(means_w.len().max(1)) {
-            let strongest = |i: usize| {
-                let of = |(truth, mean): (&Truth, &f64)| truth.strongest(i) / mean.max(f64::MIN_POSITIVE);
-                tile.iter().zip(means_w).map(of).fold(0.0, f64::max)
-            };
-            for (lanes, _) in &tile[0].runs {
-                let strongest: Vec<(usize, f64)> = lanes.clone().map(|i| (i, strongest(i))).collect();
-                for (least, sums) in LEASTS.iter().zip(&mut sums) {
-                    let lost = || strongest.iter().filter(|(_, own)| own <= least).map(|(i, _)| *i);
-                    if lost().count() <= lanes.len() / FEW {
-                        continue;
-                    }
-                    for (truth, channels) in tile.iter().zip(&self.channels) {
-                        for (a, channel) in truth.amplitude.iter().zip(channels) {
-                            sums[*channel] += lost()
-                                .map(|i| square(a, i) * f64::from(truth.factor[i]).powi(2) * truth.share[i])
-                                .sum::<f64>();
-                        }
-                    }
-                }
-            }
-        }
-        for (culled, sums) in self.culled.iter_mut().zip(sums) {
-            culled.iter_mut().zip(sums).for_each(|(most, own)| *most = most.max(own));
-        }
     }
 
     /// Whether the patch is so small that single facets count, and more instants cost little.
@@ -484,6 +417,7 @@ impl<'a> ErrorSampler<'a> {
             truths.push(Truth {
                 count: sampled.count,
                 runs: runs_of(sampled, candidates),
+                gains: sampled.shares.to_vec(),
                 delay_s: node.delay_s.to_vec(),
                 rate: node.delay_rate.to_vec(),
                 amplitude: epoch.rows(),

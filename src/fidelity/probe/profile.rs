@@ -63,8 +63,8 @@ impl ErrorSampler<'_> {
         let truths = self.illuminate(index, patch.as_ref(), keep)?;
         let [powers, worst] = self.powers(index, &truths)?;
         self.find_turning(&truths);
+        self.omit(index, &truths, count > 0.0)?;
         if count > 0.0 {
-            self.count_kept(&truths, count);
             for (lanes, bin) in
                 truths.iter().step_by(self.channels.len().max(1)).flat_map(|truth| &truth.runs)
             {

@@ -4,17 +4,27 @@ use crate::scene::Radar;
 
 /// Longest block, units of pulses.
 pub const LONGEST: u64 = 64;
-/// PRF up to which a unit is a pulse, Hz, and twice that.
+/// Units in a second: at less than two of them in an interval between pulses a unit is a pulse.
 const UNIT_HZ: f64 = 240.0;
+/// The same for errors that are [`is_coarse`].
+const COARSE_UNIT_HZ: f64 = 110.0;
+/// Errors from here up are coarse, dB.
+const COARSE_DB: f64 = -45.0;
 /// Most pulses of a unit.
 const MOST_UNIT: u64 = 16;
 
 /// Pulses of a unit, by which what changes from pulse to pulse is looked at. What nodes leave is a matter of
 /// their distance in time: at a high PRF every so many pulses show as much as all. Of a run of few pulses all
 /// are looked at.
-pub fn unit_of(radar: &Radar, pulses: u64) -> u64 {
-    let of_prf = (radar.emissions.mean_prf_hz() / UNIT_HZ).floor().max(1.0) as u64;
+pub fn unit_of(radar: &Radar, pulses: u64, coarse: bool) -> u64 {
+    let unit_hz = if coarse { COARSE_UNIT_HZ } else { UNIT_HZ };
+    let of_prf = (radar.emissions.mean_prf_hz() / unit_hz).floor().max(1.0) as u64;
     of_prf.min(pulses.div_ceil(LONGEST)).clamp(1, MOST_UNIT)
+}
+
+/// Whether nodes may lie twice as far apart as for finer errors: then units are longer.
+pub fn is_coarse(error_db: f64) -> bool {
+    error_db >= COARSE_DB
 }
 
 /// Numbers of `count` pulses about the middle of as many equal parts of a run, by turns at every place of a

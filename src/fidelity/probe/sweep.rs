@@ -187,8 +187,7 @@ impl ErrorSampler<'_> {
         for (tier, sums) in sums.iter_mut().enumerate() {
             // Gains of sidelobe tiles as often, too, but with directions that are straight from end to
             // end of the block.
-            let mut tiers =
-                Tiers::new(block, (tier == 1).then_some(Sidelobe { below_db: f64::INFINITY, epochs: 2 }));
+            let mut tiers = Tiers::new(block, (tier == 1).then_some(Sidelobe::everywhere(2)));
             tiers.sidelobe.iter_mut().for_each(|sidelobe| sidelobe.gain_pulses = fine);
             let keep =
                 if tier == 0 { Keep::default() } else { Keep { shadows: Shadows::Keep, surface: true } };

@@ -67,7 +67,7 @@
 mod march;
 
 use self::march::{March, Sector, UNDER, smoothstep};
-use crate::cpu::Variant;
+use crate::cpu::{Task, Variant};
 use crate::frames::{Enu, Point};
 use crate::scene::patch::MAX_SIDE;
 use crate::sea::surface::fields::Real;
@@ -282,19 +282,7 @@ pub struct Relief {
 impl Relief {
     /// One pass over the map.
     pub fn of<T: Real>(map: &Map<T>) -> Self {
-        let mut highest = Extremes::new(f64::NEG_INFINITY);
-        let mut steps = [Extremes::new(0.0), Extremes::new(0.0)];
-        let mut before: &[T] = &[];
-        for row in map.rows() {
-            highest.take_in(row, row, |z, _| z);
-            steps[0].take_in(row, &row[1..], |west, east| east - west);
-            steps[1].take_in(before, row, |south, north| north - south);
-            before = row;
-        }
-        let [highest_m, _] = highest.largest();
-        let steps = steps.map(|axis| axis.largest());
-        let slope = |axis: usize, way: usize| steps[axis][way] / map.facet_m;
-        Self { highest_m, rise: [slope(0, 0), slope(1, 0)], fall: [slope(0, 1), slope(1, 1)] }
+        Variant::fastest().run(Survey(map))
     }
 
     /// Whether every weight of such a map is certainly 1: the line of sight is nowhere flatter than the
@@ -326,6 +314,31 @@ impl Relief {
     }
 }
 
+/// The relief of a map.
+struct Survey<'a, T>(&'a Map<'a, T>);
+
+impl<T: Real> Task for Survey<'_, T> {
+    type Output = Relief;
+
+    #[inline(always)]
+    fn run(self) -> Relief {
+        let Self(map) = self;
+        let mut highest = Extremes::new(f64::NEG_INFINITY);
+        let mut steps = [Extremes::new(0.0), Extremes::new(0.0)];
+        let mut before: &[T] = &[];
+        for row in map.rows() {
+            highest.take_in(row, row, |z, _| z);
+            steps[0].take_in(row, &row[1..], |west, east| east - west);
+            steps[1].take_in(before, row, |south, north| north - south);
+            before = row;
+        }
+        let [highest_m, _] = highest.largest();
+        let [[east, west], [north, south]] = steps.map(|axis| axis.largest());
+        let [rise, fall] = [[east, north], [west, south]].map(|steps| steps.map(|step| step / map.facet_m));
+        Relief { highest_m, rise, fall }
+    }
+}
+
 /// Largest values of a quantity and of its negative, in lanes that a compiler can put side by side.
 struct Extremes {
     most: [f64; Self::LANES],
@@ -333,25 +346,35 @@ struct Extremes {
 }
 
 impl Extremes {
-    const LANES: usize = 8;
+    const LANES: usize = 16;
 
+    #[inline(always)]
     fn new(least: f64) -> Self {
         Self { most: [least; Self::LANES], most_negative: [least; Self::LANES] }
     }
 
     /// The quantity of each pair of neighbours, as long as both slices have one.
+    #[inline(always)]
     fn take_in<T: Real>(&mut self, a: &[T], b: &[T], quantity: impl Fn(f64, f64) -> f64) {
         let count = a.len().min(b.len());
-        for (a, b) in a[..count].chunks(Self::LANES).zip(b[..count].chunks(Self::LANES)) {
-            let lanes = self.most.iter_mut().zip(&mut self.most_negative);
-            for ((a, b), (most, most_negative)) in a.iter().zip(b).zip(lanes) {
-                let value = quantity(a.widen(), b.widen());
-                *most = if value > *most { value } else { *most };
-                *most_negative = if -value > *most_negative { -value } else { *most_negative };
+        let (whole_a, rest_a) = a[..count].as_chunks::<{ Self::LANES }>();
+        let (whole_b, rest_b) = b[..count].as_chunks::<{ Self::LANES }>();
+        let mut raise = |lane: usize, value: f64| {
+            let (most, negative) = (&mut self.most[lane], &mut self.most_negative[lane]);
+            *most = if value > *most { value } else { *most };
+            *negative = if -value > *negative { -value } else { *negative };
+        };
+        for (a, b) in whole_a.iter().zip(whole_b) {
+            for lane in 0..Self::LANES {
+                raise(lane, quantity(a[lane].widen(), b[lane].widen()));
             }
+        }
+        for (lane, (a, b)) in rest_a.iter().zip(rest_b).enumerate() {
+            raise(lane, quantity(a.widen(), b.widen()));
         }
     }
 
+    #[inline(always)]
     fn largest(&self) -> [f64; 2] {
         [self.most, self.most_negative].map(|lanes| lanes.into_iter().fold(f64::NEG_INFINITY, f64::max))
     }

@@ -44,14 +44,17 @@ impl TileWork {
 
 impl PathGenerator {
     /// Evaluates the tile of the runs at hand: [`TileWork::tile`]. Facets that return nothing to any pair at
-    /// any pulse are left out.
-    pub(super) fn evaluate_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) {
+    /// any pulse are left out; `false` of a tile that is left out as a whole, beyond the beams.
+    pub(super) fn evaluate_tile(&self, sea: &SeaPlan, patch: &Patch, work: &mut TileWork) -> bool {
         self.place(sea, patch, work);
-        self.sight(sea, work);
+        if !self.sight(sea, work) {
+            work.tile.count = 0;
+            return false;
+        }
         self.keep_illuminated(work);
         self.choose_supports(sea, work);
         if work.tile.count == 0 {
-            return;
+            return true;
         }
         let footprint_m2 = patch.facet_m * patch.facet_m;
         for pair in 0..self.plans.len() {
@@ -60,11 +63,12 @@ impl PathGenerator {
             }
             self.factors(pair, work);
         }
+        true
     }
 
     /// Paths and gains: at the few instants of a sidelobe tile first, where tiles may be in the sidelobes,
-    /// and at all where this one is not.
-    fn sight(&self, sea: &SeaPlan, work: &mut TileWork) {
+    /// and at all where this one is not. `false` of a tile beyond the beams.
+    fn sight(&self, sea: &SeaPlan, work: &mut TileWork) -> bool {
         let mut ends_known = false;
         let mut tier = Tier::Mainlobe;
         if !work.sidelobe_below.is_empty() {
@@ -72,12 +76,14 @@ impl PathGenerator {
             for place in 0..work.timings.sidelobe.instants.node_count {
                 self.find_paths(place, work);
             }
+            let [in_sidelobes, beyond] = self.beyond_the_beams(work);
+            if beyond {
+                return false;
+            }
             if self.is_wake(sea, work) {
                 tier = Tier::Wake;
-            } else if (0..self.plans.len())
-                .all(|pair| self.gains(pair, work.sidelobe_below.get(pair).copied(), work))
-            {
-                return;
+            } else if in_sidelobes {
+                return true;
             }
             // The last node of all is known by now.
             let (second, last) = (
@@ -103,8 +109,24 @@ impl PathGenerator {
             work.choose(Tier::Wake);
         }
         for pair in 0..self.plans.len() {
-            self.gains(pair, None, work);
+            self.gains(pair, f32::INFINITY, work);
         }
+        true
+    }
+
+    /// Whether the gains of every pair are those of a sidelobe tile, and of one that is left out.
+    fn beyond_the_beams(&self, work: &mut TileWork) -> [bool; 2] {
+        let mut both = [true; 2];
+        for pair in 0..self.plans.len() {
+            let Some(&below) = work.sidelobe_below.get(pair) else { return [false; 2] };
+            let limit = below[0].max(below[1]);
+            let largest = self.gains(pair, limit, work);
+            both = [0, 1].map(|n| both[n] && largest < below[n]);
+            if both == [false; 2] {
+                break;
+            }
+        }
+        both
     }
 
     /// Largest product of the gains of field of a pair, without antennas whose gains stay with the amplitude.
@@ -535,14 +557,15 @@ impl PathGenerator {
         }
     }
 
-    /// Products of gains at every gain instant, or up to the first at which one is not `below` what is given;
-    /// returns whether all were.
-    fn gains(&self, pair: usize, below: Option<f32>, work: &mut TileWork) -> bool {
+    /// Products of gains at every gain instant, or up to the first at which one is not below a limit; returns
+    /// the largest where there is a limit.
+    fn gains(&self, pair: usize, limit: f32, work: &mut TileWork) -> f32 {
         let TileWork { variant, timings, gain_rows, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let plan = &self.plans[pair];
         let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);
         let in_use = timing.gain_places.len();
+        let mut largest = 0.0f32;
         for (instant, out) in timing.gains[..in_use].iter().zip(&mut gain_rows[pair]) {
             let now = |antenna: usize| {
                 let (axes, change_per_s) = self.axes_of(&instant.emission, antenna);
@@ -550,11 +573,14 @@ impl PathGenerator {
             };
             let (nodes, weights, count) = (tile.pairs[pair].nodes(), &instant.weights, tile.count);
             Gains { count, ends: [now(tx), now(rx)], nodes, weights, out }.find(*variant);
-            if below.is_some_and(|below| out[..count].iter().any(|gain| gain.abs() >= below)) {
-                return false;
+            if limit < f32::INFINITY {
+                largest = out[..count].iter().fold(largest, |most, gain| most.max(gain.abs()));
+                if largest >= limit {
+                    break;
+                }
             }
         }
-        true
+        largest
     }
 
     /// Factors of every pulse: gains, shadows, facets that turn away.

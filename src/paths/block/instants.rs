@@ -140,6 +140,15 @@ pub struct Sidelobe {
     pub below_db: f64,
     /// Scattering epochs from end to end of a block, 2 to 4.
     pub epochs: usize,
+    /// Two-way gain of every pair over its peak below which a tile is left out, dB.
+    pub cutoff_db: f64,
+}
+
+impl Sidelobe {
+    /// All tiles are in the sidelobes, and none is left out.
+    pub fn everywhere(epochs: usize) -> Self {
+        Self { below_db: f64::INFINITY, epochs, cutoff_db: f64::NEG_INFINITY }
+    }
 }
 
 /// The instants of a block for all its tiles.
@@ -149,8 +158,9 @@ pub struct Tiers {
     pub mainlobe: Instants,
     /// Of sidelobe tiles, if there may be any.
     pub sidelobe: Option<Instants>,
-    /// Two-way gain of every pair over its peak below which they are, dB.
+    /// Two-way gain of every pair over its peak below which they are, and below which they are left out, dB.
     pub below_db: f64,
+    pub cutoff_db: f64,
     /// Of wake tiles, if there may be any.
     pub wake: Option<Instants>,
     /// Share of its power that a tile may lack for being evaluated at its supports alone; `None`: at every
@@ -168,11 +178,13 @@ impl From<Instants> for Tiers {
 impl Tiers {
     /// Of a block, whose tiles are in the sidelobes below a two-way gain, if at all.
     pub fn new(mainlobe: Instants, sidelobe: Option<Sidelobe>) -> Self {
-        let below_db = sidelobe.map_or(f64::NEG_INFINITY, |sidelobe| sidelobe.below_db);
+        let [below_db, cutoff_db] =
+            sidelobe.map_or([f64::NEG_INFINITY; 2], |own| [own.below_db, own.cutoff_db]);
         Self {
             mainlobe,
             sidelobe: sidelobe.and_then(|sidelobe| mainlobe.sidelobe(sidelobe.epochs)),
             below_db,
+            cutoff_db,
             wake: None,
             between: None,
         }
@@ -281,7 +293,7 @@ mod tests {
         assert_eq!((block.gain_pulses, short.gain_pulses), (4, 1));
         assert_eq!(gain_instants(1, 4).collect::<Vec<_>>(), [0]);
         // Sidelobe tiles: both ends; the block has no less than six instants of gain.
-        let tiers = Tiers::new(block, Some(Sidelobe { below_db: -40.0, epochs: 2 }));
+        let tiers = Tiers::new(block, Some(Sidelobe { below_db: -40.0, ..Sidelobe::everywhere(2) }));
         let sidelobe = tiers.of(Tier::Sidelobe);
         assert_eq!(
             (&sidelobe.nodes[..sidelobe.node_count], &sidelobe.epochs[..sidelobe.epoch_count]),

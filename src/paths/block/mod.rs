@@ -111,6 +111,8 @@ pub struct Tally {
     pub culled: u64,
     /// In sidelobe tiles.
     pub sidelobe: u64,
+    /// In tiles beyond the beams, which are left out.
+    pub beyond: u64,
 }
 
 /// What a sample of the facets shows of a block and pair.
@@ -129,8 +131,9 @@ pub struct TileWork {
     facet_surface: NodeSurface,
     nodes: Vec<NodeWork>,
     timings: Timings,
-    /// Per pair: product of the gains of field below which a tile is in the sidelobes; empty where none is.
-    sidelobe_below: Vec<f32>,
+    /// Per pair: products of the gains of field below which a tile is in the sidelobes, and below which it is
+    /// left out; empty where none is.
+    sidelobe_below: Vec<[f32; 2]>,
     /// Whether tiles that short waves of ships may cross have scattering epochs of their own.
     wakes: bool,
     /// Facets of the tile at hand.
@@ -186,12 +189,13 @@ struct NodeWork {
 
 impl PathGenerator {
     /// Room for tiles; `None` for a scene without sea. Workers of one run may share the borders of their
-    /// blocks; `fine`: with the surface of nodes found in f64.
+    /// blocks; `fine`: with the surface of nodes found in f64, and the shadows of few facets from heights that
+    /// are found anew.
     pub fn tile_work(
         &self,
         variant: Variant,
         borders: Option<Arc<dyn ShareBorders>>,
-        fine: bool,
+        fine: [bool; 2],
     ) -> Option<Box<TileWork>> {
         let sea = self.sea.as_ref()?;
         let of = &self.radar.tx_polarisation;
@@ -271,7 +275,10 @@ impl PathGenerator {
             let (mut part, mut tally) = (Some(sea.first_part()), &mut tally);
             while let Some(own) = part {
                 work.part = own;
-                self.evaluate_tile(sea, patch, work);
+                if !self.evaluate_tile(sea, patch, work) {
+                    tally.beyond += facets;
+                    break;
+                }
                 part = sea.part_after(own, || work.tile.reflects((samples, least)));
                 if work.tile.tier == Tier::Sidelobe {
                     tally.sidelobe += facets;
@@ -299,7 +306,7 @@ impl SeaPlan {
         channels: &[Vec<u8>],
         interval_s: f64,
         borders: Option<Arc<dyn ShareBorders>>,
-        fine: bool,
+        [fine, exact_shadows]: [bool; 2],
     ) -> Option<TileWork> {
         let selection = Selection {
             slopes: true,
@@ -311,7 +318,7 @@ impl SeaPlan {
         };
         // The wakes are legal: the plan was built with them.
         let facet_surface = NodeSurface::of(self, selection, fine)?;
-        let maker = Maker::of(self, borders)?;
+        let maker = Maker::of(self, borders, exact_shadows)?;
         let facets = self.patch.len();
         let mechanisms = self.scattering.mechanisms();
         let node = NodeWork {
@@ -417,8 +424,9 @@ impl TileWork {
         self.sidelobe_below.clear();
         if let Some(sidelobe) = &tiers.sidelobe {
             self.timings.sidelobe.set(of, sidelobe, places, &self.tile.slow)?;
-            let share = 10f64.powf(tiers.below_db / 20.0);
-            self.sidelobe_below.extend((0..of.plans.len()).map(|pair| (share * of.peak_gain(pair)) as f32));
+            let shares = [tiers.below_db, tiers.cutoff_db].map(|gain_db| 10f64.powf(gain_db / 20.0));
+            let below = |pair: usize| shares.map(|share| (share * of.peak_gain(pair)) as f32);
+            self.sidelobe_below.extend((0..of.plans.len()).map(below));
         }
         self.wakes = tiers.wake.is_some();
         if let Some(wake) = &tiers.wake {

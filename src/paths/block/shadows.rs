@@ -7,17 +7,19 @@ use super::instants::Instants;
 use super::runs::Run;
 use super::timing::GainInstant;
 use super::{NodeWork, TileWork};
+use crate::cpu::{Task, Variant};
 use crate::frames::{Enu, Point};
 use crate::geometry::shadow::Shadow;
 use crate::paths::PathGenerator;
 use crate::paths::sea::{SeaFailure, SeaPlan};
-use crate::paths::visibility::{Area, Borders, MOST_ENDS, ShareBorders, Update, Updates};
+use crate::paths::visibility::{Area, Borders, MOST_ENDS, ShareBorders, Update, Updates, Visibility};
 use crate::radar::fault::SeaFault;
 use crate::scene::Patch;
+use crate::sea::surface::Fields;
 use crate::sea::surface::fields::Real;
 
-/// Facets of a patch up to which its shadows are those of the reference: on larger ones the heights between
-/// nodes do, in f32.
+/// Facets of a patch up to which its shadows may be those of the reference: on larger ones the heights
+/// between nodes always do, in f32.
 const FEW_FACETS: usize = 1 << 14;
 
 /// Weights of one update of the shadows over the patch.
@@ -42,11 +44,15 @@ pub(super) enum Maker {
 }
 
 impl Maker {
-    /// What a sea needs: none without shadows. `None` where it cannot be made.
-    pub fn of(sea: &SeaPlan, borders: Option<Arc<dyn ShareBorders>>) -> Option<Option<Self>> {
+    /// What a sea needs: none without shadows. `None` where it cannot be made. `exact`: where single facets
+    /// count for the error that is asked; at sharp edges they always do.
+    pub fn of(sea: &SeaPlan, borders: Option<Arc<dyn ShareBorders>>, exact: bool) -> Option<Option<Self>> {
+        let of_reference = |visibility: &Visibility| {
+            sea.patch.len() <= FEW_FACETS && (exact || visibility.settings.width_rad == 0.0)
+        };
         Some(match &sea.visibility {
             None => None,
-            Some(visibility) if sea.patch.len() <= FEW_FACETS => {
+            Some(visibility) if of_reference(visibility) => {
                 let updates = visibility.updates::<f64, SeaFault>(&sea.surface, &sea.wakes, &sea.patch);
                 Some(Maker::Few(Box::new(updates.ok()?)))
             }
@@ -192,7 +198,6 @@ impl TileWork {
     ) -> Result<(), SeaFailure> {
         let (Some(visibility), Some(maker)) = (&sea.visibility, &mut self.maker) else { return Ok(()) };
         let earth = of.frame.earth();
-        let lower = |[x, y]: [f64; 2]| earth.drop_m(x, y);
         // Of the first pulse, which is a node and a gain instant.
         let Some(GainInstant { emission, .. }) = self.timings.mainlobe.gains.first() else { return Ok(()) };
         let reception = of.reception(first, first, emission, &[]);
@@ -202,7 +207,7 @@ impl TileWork {
             update_weights.dimmed.resize(visibility.ends, None);
             match maker {
                 Maker::Few(updates) => {
-                    update_weights.take_from(visibility.update(updates, number, scenery, lower)?, patch);
+                    update_weights.take_from(visibility.update(updates, number, scenery, earth)?, patch);
                 }
                 Maker::Here { shadow, update, heights_m } => {
                     let time_s = visibility.time_s(number);
@@ -210,9 +215,9 @@ impl TileWork {
                     let places = &mut places[..visibility.ends];
                     scenery(time_s, places)?;
                     if is_near(&self.nodes, time_s) {
-                        heights_at(&self.nodes, time_s, heights_m);
+                        heights_at(self.variant, &self.nodes, time_s, heights_m);
                     } else if heights == Heights::Near {
-                        heights_at(&self.nodes[..1], time_s, heights_m);
+                        heights_at(self.variant, &self.nodes[..1], time_s, heights_m);
                     } else {
                         // Few blocks need it: the room of a node does, which is made ready again.
                         let NodeWork { elapsed_s, fields, .. } = &mut self.nodes[0];
@@ -226,7 +231,7 @@ impl TileWork {
                         (time_s, patch),
                         heights_m,
                         places,
-                        lower,
+                        earth,
                         update,
                     )?;
                     update_weights.take_from(update, patch);
@@ -245,7 +250,7 @@ impl TileWork {
                     if found {
                         continue;
                     }
-                    let update = visibility.update(updates, number, scenery, lower)?;
+                    let update = visibility.update(updates, number, scenery, earth)?;
                     update_weights.take_from(update, patch);
                     if let Some(borders) = borders {
                         borders.with(&mut |kept| kept.keep(update));
@@ -277,24 +282,43 @@ fn is_near(nodes: &[NodeWork], time_s: f64) -> bool {
 
 /// Heights at a time by the Hermite cubic of the two nodes about it, or nearest to it, m. One interval beyond
 /// the last node the waves of the shortest periods lose some 1e-6 m.
-fn heights_at(nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
+fn heights_at(variant: Variant, nodes: &[NodeWork], time_s: f64, out: &mut [f64]) {
     let after = nodes.iter().position(|node| node.elapsed_s >= time_s).unwrap_or(nodes.len() - 1);
     let (first, second) = (&nodes[after.max(1) - 1], &nodes[after.max(1).min(nodes.len() - 1)]);
     let span_s = second.elapsed_s - first.elapsed_s;
     let from = time_s - first.elapsed_s;
     let s = if span_s > 0.0 { from / span_s } else { 0.0 };
     // Weights of both heights and both speeds; one node alone: a straight line.
-    let (w, v) = if span_s > 0.0 {
+    let (heights, speeds) = if span_s > 0.0 {
         let (s2, s3) = (s * s, s * s * s);
         ([1.0 - 3.0 * s2 + 2.0 * s3, 3.0 * s2 - 2.0 * s3], [(s - 2.0 * s2 + s3) * span_s, (s3 - s2) * span_s])
     } else {
         ([1.0, 0.0], [from, 0.0])
     };
-    let first = first.fields.height_m.iter().zip(&first.fields.velocity_mps[2]);
-    let second = second.fields.height_m.iter().zip(&second.fields.velocity_mps[2]);
-    for (out, ((z0, v0), (z1, v1))) in out.iter_mut().zip(first.zip(second)) {
-        let [z0, v0, z1, v1] = [*z0, *v0, *z1, *v1].map(f64::from);
-        *out = w[0] * z0 + w[1] * z1 + v[0] * v0 + v[1] * v1;
+    variant.run(Cubic { fields: [&first.fields, &second.fields], heights, speeds, out });
+}
+
+/// A sum of the heights and vertical speeds of two nodes.
+struct Cubic<'a> {
+    fields: [&'a Fields<f32>; 2],
+    heights: [f64; 2],
+    speeds: [f64; 2],
+    out: &'a mut [f64],
+}
+
+impl Task for Cubic<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { fields: [a, b], heights: w, speeds: v, out } = self;
+        let count = out.len();
+        let [z0, z1] = [&a.height_m[..count], &b.height_m[..count]];
+        let [v0, v1] = [&a.velocity_mps[2][..count], &b.velocity_mps[2][..count]];
+        for (i, out) in out.iter_mut().enumerate() {
+            let of_heights = w[0] * f64::from(z0[i]) + w[1] * f64::from(z1[i]);
+            *out = of_heights + v[0] * f64::from(v0[i]) + v[1] * f64::from(v1[i]);
+        }
     }
 }
 

@@ -75,8 +75,8 @@ pub(crate) struct BlockEcho {
     /// The same of wake tiles, if there may be any.
     wake_epochs: Option<usize>,
     sidelobe: Option<Sidelobe>,
-    /// Whether the surface at nodes is found in f64.
-    fine_surface: bool,
+    /// Whether the surface at nodes is found in f64, and shadows of few facets as the reference finds them.
+    fine: [bool; 2],
     /// What a tile may lack at its supports alone.
     between: Option<f64>,
     /// Power of a facet over the mean below which it is left out.
@@ -192,7 +192,7 @@ impl BlockEcho {
             epochs_per_node: chosen.epochs_per_node,
             wake_epochs: chosen.wake_epochs,
             sidelobe: chosen.sidelobe,
-            fine_surface: chosen.fine_surface,
+            fine: [chosen.fine_surface, chosen.exact_shadows],
             between: chosen.between,
             least_power: chosen.least_power,
             pulses,
@@ -219,7 +219,7 @@ impl BlockEcho {
             part: self.synth.block_with_room(at_once, breakers * part),
             grids: self.synth.grids(),
             scratch: self.synth.scratch(),
-            tiles: generator.tile_work(variant, Some(self.borders.clone()), self.fine_surface),
+            tiles: generator.tile_work(variant, Some(self.borders.clone()), self.fine),
             lanes: LaneWork::default(),
             samples: Vec::with_capacity(pairs),
             mean_hz: Vec::with_capacity(pairs),
@@ -452,7 +452,7 @@ impl BlockEcho {
             let [facets, illuminated, culled] =
                 [tally.facets, tally.illuminated, tally.culled].map(|n| n as usize);
             memory.costs.looked_at(facets, illuminated, culled);
-            memory.costs.looked_at_less(tally.sidelobe as usize);
+            memory.costs.looked_at_less(tally.sidelobe as usize, tally.beyond as usize);
             spread = (illuminated - culled) * generator.pairs().len();
         }
         if generator.target_count() > 0 {
