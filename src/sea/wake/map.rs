@@ -28,12 +28,12 @@ use num_complex::{Complex, Complex64};
 use super::course::{Pose, corners_m};
 use super::free_waves::Wake;
 use super::nonuniform::NonUniform;
-use super::upstream::Edge;
+use super::upstream::{Edge, Part, Window};
 use crate::cpu::{Task, Variant};
 use crate::scene::Patch;
 use crate::sea::GRAVITY_MPS2;
 use crate::sea::surface::fields::Real;
-use crate::sea::surface::{Fields, Grid, Sample, SurfaceError};
+use crate::sea::surface::{Fields, Grid, SurfaceError};
 use crate::sea::wake::fault::WakeError;
 
 /// Evaluates wakes on a rectangle of facets, in f32 or f64.
@@ -47,12 +47,13 @@ pub struct Map<T: Real> {
     waves_m: Vec<Complex64>,
     amplitudes: Vec<[Complex<T>; 2]>,
     planes: [Vec<Complex<T>>; 4],
+    edges: Edges,
 }
 
 /// Tangent of the angle astern beyond which a wake with an end has no waves: the cusps lie at 0.354.
 pub(in crate::sea) const SIDE: f64 = 0.8;
 
-/// A pair of fields that is summed.
+/// A pair of fields that is summed, by its plane.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Pair {
     Velocity,
@@ -87,6 +88,7 @@ impl<T: Real> Map<T> {
             waves_m: Vec::with_capacity(most),
             amplitudes: Vec::with_capacity(most),
             planes: [plane(), plane(), plane(), plane()],
+            edges: Edges::with_room(nx),
         })
     }
 
@@ -132,9 +134,11 @@ impl<T: Real> Map<T> {
                 self.sum.run(&self.amplitudes, &mut self.planes[plane]);
             }
         }
+        let mut edges = std::mem::take(&mut self.edges);
         for iy in 0..patch.facets[1] {
-            self.collect_row(place, &pose, patch, iy, wanted, fields);
+            self.collect_row(place, (&pose, patch), iy, &mut edges, fields);
         }
+        self.edges = edges;
         Ok(())
     }
 
@@ -172,51 +176,78 @@ impl<T: Real> Map<T> {
         }
     }
 
-    /// A row of facets from the planes to the fields: in one go where the window is open, one by one under
-    /// its edge.
+    /// A row of facets from the planes to the fields: pieces where the window is open, and under its edge.
     fn collect_row(
         &self,
         place: usize,
-        pose: &Pose,
-        patch: &Patch,
+        (pose, patch): (&Pose, &Patch),
         iy: usize,
-        wanted: Wanted,
+        edges: &mut Edges,
         fields: &mut Fields<T>,
     ) {
         let wake = &self.wakes[place];
         let (window, speed_mps, ahead) = (wake.window(), wake.course().speed_mps, pose.ahead);
         let nx = patch.facets[0];
         let key_y = patch.first[1] + iy as i64;
-        let at = |ix: usize| {
+        let astern_m = |ix: usize| {
             let place_m = patch.centre_m([patch.first[0] + ix as i64, key_y]);
-            window.rounded_at::<T>(pose.astern_starboard_m(place_m)[0])
+            pose.astern_starboard_m(place_m)[0]
         };
+        let part_of = |ix: usize| window.part(astern_m(ix));
+        let planes = &self.planes;
         let mut ix = 0;
         while ix < nx {
-            let edge = at(ix);
+            let part = part_of(ix);
+            // Along a row the distance astern rises or falls, so that each part is in one piece.
+            let (mut len, mut beyond) = (1, nx - ix);
+            while len < beyond {
+                let middle = len + (beyond - len) / 2;
+                if part_of(ix + middle) == part { len = middle + 1 } else { beyond = middle }
+            }
             let from = iy * nx + ix;
-            if edge == Edge::OPEN {
-                // Along a row the distance astern rises or falls, so that what is open is in one piece.
-                let (mut len, mut beyond) = (1, nx - ix);
-                while len < beyond {
-                    let middle = len + (beyond - len) / 2;
-                    if at(ix + middle) == Edge::OPEN { len = middle + 1 } else { beyond = middle }
+            match part {
+                Part::Closed => {}
+                Part::Open => Variant::fastest().run(Piece { planes, from, len, speed_mps, ahead, fields }),
+                Part::Bow | Part::End => {
+                    edges.astern_m.clear();
+                    edges.astern_m.extend((ix..ix + len).map(astern_m));
+                    // Planes that were not summed hold old values, which go nowhere.
+                    let pairs = planes.each_ref().map(|plane| &plane[from..from + len]);
+                    let under = Under { pairs, edges, speed_mps, ahead };
+                    Variant::fastest().run(Faded { part, window, under, from, fields });
                 }
-                let planes = &self.planes;
-                Variant::fastest().run(Piece { planes, from, len, speed_mps, ahead, fields });
-                ix += len;
-                continue;
             }
-            if edge != Edge::CLOSED {
-                let pair = |plane: usize| {
-                    let value = self.planes[plane][from];
-                    [value.re.widen(), value.im.widen()]
-                };
-                // Planes that were not summed hold old values, which go nowhere.
-                let sample = edge.apply(&waves(pair, speed_mps, ahead), speed_mps, ahead);
-                wanted.add(&sample, from, fields);
-            }
-            ix += 1;
+            ix += len;
+        }
+    }
+}
+
+/// The window of facets side by side under its edge.
+#[derive(Clone, Default)]
+struct Edges {
+    astern_m: Vec<f64>,
+    value: Vec<f64>,
+    rate_per_m: Vec<f64>,
+    bend_per_m2: Vec<f64>,
+}
+
+impl Edges {
+    fn with_room(facets: usize) -> Self {
+        let room = || Vec::with_capacity(facets);
+        Self { astern_m: room(), value: room(), rate_per_m: room(), bend_per_m2: room() }
+    }
+
+    #[inline(always)]
+    fn find(&mut self, of: impl Fn(f64) -> Edge) {
+        let len = self.astern_m.len();
+        let Self { astern_m, value, rate_per_m, bend_per_m2 } = self;
+        for row in [&mut *value, rate_per_m, bend_per_m2] {
+            row.resize(len, 0.0);
+        }
+        let (rates, bends) = (&mut rate_per_m[..len], &mut bend_per_m2[..len]);
+        for (i, (value, astern_m)) in value.iter_mut().zip(&*astern_m).enumerate() {
+            let edge = of(*astern_m);
+            (*value, rates[i], bends[i]) = (edge.value, edge.rate_per_m, edge.bend_per_m2);
         }
     }
 }
@@ -272,18 +303,119 @@ fn sum<T: Real>(field: &mut [T], from: usize, plane: &[Complex<T>], of: impl Fn(
     }
 }
 
-/// All fields of waves from the four pairs.
+/// The same under the edge of the window, as [`Edge::apply`] has them.
+struct Faded<'a, T: Real> {
+    part: Part,
+    window: Window,
+    under: Under<'a, T>,
+    from: usize,
+    fields: &'a mut Fields<T>,
+}
+
+/// Facets under the edge.
+struct Under<'a, T: Real> {
+    pairs: [&'a [Complex<T>]; 4],
+    edges: &'a mut Edges,
+    speed_mps: f64,
+    ahead: [f64; 2],
+}
+
+impl<T: Real> Under<'_, T> {
+    #[inline(always)]
+    fn pair(&self, pair: Pair, i: usize) -> [f64; 2] {
+        let value = self.pairs[pair as usize][i];
+        [value.re.widen(), value.im.widen()]
+    }
+
+    #[inline(always)]
+    fn along(&self, pair: Pair, i: usize) -> f64 {
+        let [x, y] = self.pair(pair, i);
+        self.speed_mps * (self.ahead[0] * x + self.ahead[1] * y)
+    }
+
+    #[inline(always)]
+    fn height_m(&self, i: usize) -> f64 {
+        self.along(Pair::Velocity, i) / GRAVITY_MPS2
+    }
+
+    #[inline(always)]
+    fn velocity_mps(&self, i: usize, own: f64, path_m: f64) -> f64 {
+        self.edges.value[i] * own + self.edges.rate_per_m[i] * self.speed_mps * path_m
+    }
+
+    #[inline(always)]
+    fn acceleration_mps2(&self, i: usize, own: f64, velocity_mps: f64, path_m: f64) -> f64 {
+        let Edges { value, rate_per_m, bend_per_m2, .. } = &*self.edges;
+        let (rate, bend) = (rate_per_m[i] * self.speed_mps, bend_per_m2[i] * self.speed_mps);
+        value[i] * own + 2.0 * rate * velocity_mps + bend * self.speed_mps * path_m
+    }
+
+    #[inline(always)]
+    fn slope(&self, i: usize, axis: usize) -> f64 {
+        let f = self.ahead[axis];
+        self.edges.value[i] * self.pair(Pair::Slope, i)[axis]
+            - f * self.edges.rate_per_m[i] * self.height_m(i)
+    }
+
+    #[inline(always)]
+    fn slope_rate_per_s(&self, i: usize, axis: usize) -> f64 {
+        let Edges { value, rate_per_m, bend_per_m2, .. } = &*self.edges;
+        let (rate, bend) = (rate_per_m[i] * self.speed_mps, bend_per_m2[i] * self.speed_mps);
+        let bent = rate_per_m[i] * -self.along(Pair::Slope, i) + bend * self.height_m(i);
+        value[i] * self.pair(Pair::SlopeRate, i)[axis] + rate * self.pair(Pair::Slope, i)[axis]
+            - self.ahead[axis] * bent
+    }
+}
+
+impl<T: Real> Task for Faded<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { part, window, under, from, fields } = self;
+        let len = under.edges.astern_m.len();
+        if part == Part::Bow {
+            under.edges.find(|astern_m| window.bow::<T>(astern_m));
+        } else {
+            under.edges.find(|astern_m| window.end::<T>(astern_m));
+        }
+        let of = &under;
+        put(&mut fields.height_m, from, len, |i| of.edges.value[i] * of.height_m(i));
+        let [vx, vy, vz] = &mut fields.velocity_mps;
+        let [ax, ay, az] = &mut fields.acceleration_mps2;
+        for (axis, (v, a)) in [(vx, ax), (vy, ay)].into_iter().enumerate() {
+            put(v, from, len, |i| {
+                of.velocity_mps(i, of.pair(Pair::Velocity, i)[axis], of.pair(Pair::Displacement, i)[axis])
+            });
+            put(a, from, len, |i| {
+                let (own, u) =
+                    (-GRAVITY_MPS2 * of.pair(Pair::Slope, i)[axis], of.pair(Pair::Velocity, i)[axis]);
+                of.acceleration_mps2(i, own, u, of.pair(Pair::Displacement, i)[axis])
+            });
+        }
+        put(vz, from, len, |i| of.velocity_mps(i, -of.along(Pair::Slope, i), of.height_m(i)));
+        put(az, from, len, |i| {
+            let (own, up) = (-of.along(Pair::SlopeRate, i), -of.along(Pair::Slope, i));
+            of.acceleration_mps2(i, own, up, of.height_m(i))
+        });
+        for (axis, field) in fields.displacement_m.iter_mut().enumerate() {
+            put(field, from, len, |i| of.edges.value[i] * of.pair(Pair::Displacement, i)[axis]);
+        }
+        for (axis, field) in fields.slope.iter_mut().enumerate() {
+            put(field, from, len, |i| of.slope(i, axis));
+        }
+        for (axis, field) in fields.slope_rate_per_s.iter_mut().enumerate() {
+            put(field, from, len, |i| of.slope_rate_per_s(i, axis));
+        }
+    }
+}
+
+/// Adds to a field, if it is wanted.
 #[inline(always)]
-fn waves(pair: impl Fn(usize) -> [f64; 2], speed_mps: f64, [fx, fy]: [f64; 2]) -> Sample {
-    let (u, s, q) = (pair(0), pair(1), pair(2));
-    let ahead = |[x, y]: [f64; 2]| speed_mps * (fx * x + fy * y);
-    Sample {
-        height_m: ahead(u) / GRAVITY_MPS2,
-        slope: s,
-        velocity_mps: [u[0], u[1], -ahead(s)],
-        acceleration_mps2: [-GRAVITY_MPS2 * s[0], -GRAVITY_MPS2 * s[1], -ahead(q)],
-        displacement_m: pair(3),
-        slope_rate_per_s: q,
+fn put<T: Real>(field: &mut [T], from: usize, len: usize, of: impl Fn(usize) -> f64) {
+    let Some(field) = field.get_mut(from..from + len) else { return };
+    for (i, field) in field.iter_mut().enumerate() {
+        *field = *field + T::round_from(of(i));
     }
 }
 
@@ -365,25 +497,6 @@ impl Wanted {
             Pair::Displacement => {
                 some(&self.displacement) || edge && (level(&self.velocity) || level(&self.acceleration))
             }
-        }
-    }
-
-    #[inline(always)]
-    fn add<T: Real>(&self, sample: &Sample, to: usize, fields: &mut Fields<T>) {
-        let put = |wanted: bool, field: &mut Vec<T>, value: f64| {
-            if wanted {
-                field[to] = field[to] + T::round_from(value);
-            }
-        };
-        put(self.height, &mut fields.height_m, sample.height_m);
-        for axis in 0..3 {
-            put(self.velocity[axis], &mut fields.velocity_mps[axis], sample.velocity_mps[axis]);
-            put(self.acceleration[axis], &mut fields.acceleration_mps2[axis], sample.acceleration_mps2[axis]);
-        }
-        for axis in 0..2 {
-            put(self.slope[axis], &mut fields.slope[axis], sample.slope[axis]);
-            put(self.displacement[axis], &mut fields.displacement_m[axis], sample.displacement_m[axis]);
-            put(self.slope_rate[axis], &mut fields.slope_rate_per_s[axis], sample.slope_rate_per_s[axis]);
         }
     }
 }

@@ -197,13 +197,16 @@ impl<T: Real> NonUniform<T> {
             self.line.fill(zero);
             let held = self.half[iy * stride..][..stride].chunks_exact(BLOCK);
             for (block, held) in self.blocks.iter().zip(held) {
-                let to = self.line[block * BLOCK..].iter_mut().take(BLOCK);
-                to.zip(held).for_each(|(to, from)| *to = *from);
+                let count = BLOCK.min(x.cells - block * BLOCK);
+                self.line[block * BLOCK..][..count].copy_from_slice(&held[..count]);
             }
             x.fft.process_with_scratch(&mut self.line, &mut self.scratch);
-            for (value, (&cell, &factor)) in out.iter_mut().zip(x.cell.iter().zip(&x.factor)) {
-                *value = self.line[cell] * factor;
-            }
+            // Facets before the middle lie at the end of the line.
+            let before = x.facets / 2;
+            let (low, high) = out.split_at_mut(before);
+            let (low_factors, high_factors) = x.factor.split_at(before);
+            scale(low, &self.line[x.cells - before..], low_factors);
+            scale(high, &self.line, high_factors);
         }
     }
 
@@ -228,6 +231,12 @@ impl<T: Real> NonUniform<T> {
                 add(&mut self.grid[row..row + w - inside], value, &along_y[inside..]);
             }
         }
+    }
+}
+
+fn scale<T: Real>(out: &mut [Complex<T>], values: &[Complex<T>], factors: &[T]) {
+    for ((out, value), factor) in out.iter_mut().zip(values).zip(factors) {
+        *out = *value * *factor;
     }
 }
 

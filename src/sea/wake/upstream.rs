@@ -64,6 +64,19 @@ pub struct Window {
     fade_m: Option<[f64; 2]>,
 }
 
+/// Parts of a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// All waves.
+    Open,
+    /// None.
+    Closed,
+    /// They begin, about the ship.
+    Bow,
+    /// They fade.
+    End,
+}
+
 /// A window and its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
@@ -100,36 +113,56 @@ impl Window {
     /// The same with cosines that are as good as numbers of some type: in f32 5e-7.
     #[inline]
     pub fn rounded_at<T: Real>(&self, astern_m: f64) -> Edge {
-        let cos_sin = |phase_rad: f64| {
-            let (cos, sin) = T::cos_sin_of_turns(phase_rad / TAU);
-            (cos.widen(), sin.widen())
-        };
-        if let Some([from_m, to_m]) = self.fade_m.filter(|[from_m, _]| astern_m > *from_m) {
-            let scale = PI / (to_m - from_m);
-            if astern_m >= to_m {
-                return Edge::CLOSED;
-            }
-            let (cos, sin) = cos_sin(scale * (astern_m - from_m));
-            return Edge {
-                value: 0.5 + 0.5 * cos,
-                rate_per_m: -0.5 * scale * sin,
-                bend_per_m2: -0.5 * scale * scale * cos,
-            };
+        match self.part(astern_m) {
+            Part::Open => Edge::OPEN,
+            Part::Closed => Edge::CLOSED,
+            Part::Bow => self.bow::<T>(astern_m),
+            Part::End => self.end::<T>(astern_m),
         }
-        if self.half_m < 0.0 || astern_m >= self.half_m {
-            return Edge::OPEN;
+    }
+
+    /// Where a distance astern of midship lies.
+    #[inline]
+    pub fn part(&self, astern_m: f64) -> Part {
+        match self.fade_m {
+            Some([_, to_m]) if astern_m >= to_m => Part::Closed,
+            Some([from_m, _]) if astern_m > from_m => Part::End,
+            _ if self.half_m < 0.0 || astern_m >= self.half_m => Part::Open,
+            _ if astern_m <= -self.half_m => Part::Closed,
+            _ => Part::Bow,
         }
-        if astern_m <= -self.half_m {
-            return Edge::CLOSED;
-        }
+    }
+
+    /// The edge about the ship.
+    #[inline(always)]
+    pub fn bow<T: Real>(&self, astern_m: f64) -> Edge {
         let scale = 0.5 * PI / self.half_m;
-        let (cos, sin) = cos_sin(scale * astern_m);
+        let [cos, sin] = cos_sin::<T>(scale * astern_m);
         Edge {
             value: 0.5 + 0.5 * sin,
             rate_per_m: 0.5 * scale * cos,
             bend_per_m2: -0.5 * scale * scale * sin,
         }
     }
+
+    /// The edge where waves fade.
+    #[inline(always)]
+    pub fn end<T: Real>(&self, astern_m: f64) -> Edge {
+        let [from_m, to_m] = self.fade_m.unwrap_or([0.0, 1.0]);
+        let scale = PI / (to_m - from_m);
+        let [cos, sin] = cos_sin::<T>(scale * (astern_m - from_m));
+        Edge {
+            value: 0.5 + 0.5 * cos,
+            rate_per_m: -0.5 * scale * sin,
+            bend_per_m2: -0.5 * scale * scale * cos,
+        }
+    }
+}
+
+#[inline(always)]
+fn cos_sin<T: Real>(phase_rad: f64) -> [f64; 2] {
+    let (cos, sin) = T::cos_sin_of_turns(phase_rad / TAU);
+    [cos.widen(), sin.widen()]
 }
 
 impl Edge {
