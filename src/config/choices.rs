@@ -70,7 +70,9 @@ choices! {
     Begin { Now = "now", Live = "live" }
     PatchKind { Fixed = "fixed", Follow = "follow" }
     AimKind { At = "at", Beside = "beside" }
-    WaveformKind { Lfm = "lfm", File = "file" }
+    WaveformKind { Lfm = "lfm", Nlfm = "nlfm", Cw = "cw", PhaseCode = "phase-code", File = "file" }
+    TaperKind { Taylor = "taylor", Hamming = "hamming" }
+    CodeKind { Barker = "barker", Frank = "frank", P3 = "p3", P4 = "p4", MSequence = "m-sequence" }
     GateKind { Windowed = "windowed", Continuous = "continuous" }
     TxKind { Simultaneous = "simultaneous", Alternating = "alternating" }
     SignalKind { Tone = "tone", Loopback = "loopback" }

@@ -55,7 +55,7 @@ pub struct Instrument {
 /// The transmitted baseband pulse, apart from its bandwidth and length.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WaveformRow {
-    /// `lfm` or `samples`.
+    /// `lfm`, `nlfm`, `cw`, `phase-code` or `samples`.
     pub kind: String,
     /// Rate of a linear sweep, Hz/s, negative when it falls.
     pub sweep_hz_per_s: Option<f64>,
@@ -277,14 +277,15 @@ const ISOTROPIC: &str = "isotropic";
 
 impl WaveformRow {
     fn of(waveform: &Waveform) -> Self {
-        let (kind, sweep_hz_per_s, rate_hz) = match waveform {
+        let (sweep_hz_per_s, rate_hz) = match waveform {
             Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
                 let sign = if *sweep == Sweep::Up { 1.0 } else { -1.0 };
-                ("lfm", Some(sign * bandwidth_hz / duration_s), None)
+                (Some(sign * bandwidth_hz / duration_s), None)
             }
-            Waveform::Samples { rate_hz, .. } => ("samples", None, Some(*rate_hz)),
+            Waveform::Samples { rate_hz, .. } => (None, Some(*rate_hz)),
+            _ => (None, None),
         };
-        Self { kind: kind.to_owned(), sweep_hz_per_s, rate_hz }
+        Self { kind: waveform.kind().to_owned(), sweep_hz_per_s, rate_hz }
     }
 }
 

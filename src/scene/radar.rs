@@ -1,10 +1,14 @@
 //! The instrument, as described: transmitters, receivers, channels, waveform, windows.
 
+mod waveform;
+
 use std::path::PathBuf;
 
 use crate::frames::{Body, Enu, Point, Vector};
 use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
+
+pub use waveform::{Code, Sweep, Taper, Waveform};
 
 /// The radar: every emission and every receive window of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -193,38 +197,6 @@ pub struct Pair {
     pub transmitter: usize,
     /// Index of the receiver.
     pub receiver: usize,
-}
-
-/// The transmitted baseband pulse, unit amplitude.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Waveform {
-    /// Linear frequency modulation, `exp(j pi mu (t - Tc/2)^2)`, `mu = +-B/Tc`.
-    Lfm {
-        /// Swept bandwidth B, Hz.
-        bandwidth_hz: f64,
-        /// Pulse length Tc, s.
-        duration_s: f64,
-        /// Direction of the sweep.
-        sweep: Sweep,
-    },
-    /// Complex baseband samples from a file (CSV `re,im`), at `rate_hz`.
-    Samples {
-        /// The file.
-        path: PathBuf,
-        /// Rate of the samples, Hz.
-        rate_hz: f64,
-    },
-}
-
-/// Direction of a linear sweep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Sweep {
-    /// Frequency rises.
-    Up,
-    /// Frequency falls.
-    Down,
 }
 
 /// Polarisation of an antenna port.

@@ -29,6 +29,7 @@ mod random_ends;
 mod random_plans;
 mod random_scene;
 mod random_scenes;
+mod random_waveforms;
 mod rain;
 mod receivers;
 mod runs;

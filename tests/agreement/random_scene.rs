@@ -12,6 +12,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::random_ends::{emitters, more_ends};
+use super::random_waveforms::waveform;
 
 const LIGHT_MPS: f64 = 299_792_458.0;
 /// Keeps draws of slow time apart from those of the rest.
@@ -24,6 +25,8 @@ const OVERLAP: u64 = 0x0E1A;
 const ENDS: u64 = 0xE4D5;
 /// And those of emitters beside.
 const EMITTERS: u64 = 0x0E17;
+/// And those of kinds of waveforms.
+const WAVEFORMS: u64 = 0x3A7E;
 /// And those of errors between blocks and exact pulses.
 const FINE: u64 = 0xF1E;
 
@@ -212,11 +215,13 @@ pub fn random_scene(seed: u64) -> RandomScene {
         [SLOW_TIME, SPECKLE].map(|salt| Draw(ChaCha8Rng::seed_from_u64(seed ^ salt)));
     sea(&mut draw, [&mut slow, &mut speckle], extremes, &mut text);
     on_the_sea(&mut draw, &geometry, &mut text);
-    radar(&mut draw, &mut slow, (&geometry, &signal), &mut text);
+    let mut kinds = Draw(ChaCha8Rng::seed_from_u64(seed ^ WAVEFORMS));
+    radar(&mut draw, [&mut slow, &mut kinds], (&geometry, &signal), &mut text);
     platforms(&mut draw, &geometry, &mut text);
     antennas(&mut draw, &geometry, &mut text);
     more_ends(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ ENDS)), (&geometry, &signal), &mut text);
-    emitters(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ EMITTERS)), (&geometry, &signal), &mut text);
+    let mut beside = Draw(ChaCha8Rng::seed_from_u64(seed ^ EMITTERS));
+    emitters([&mut beside, &mut kinds], (&geometry, &signal), &mut text);
     line!(text, "[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
     line!(text, "[stream]\npace = \"fast\"\nthreads = 1");
     RandomScene { family, asked_db, text }
@@ -428,7 +433,12 @@ fn rhythm(draw: &mut Draw, prf_hz: f64, out: &mut String) {
     }
 }
 
-fn radar(draw: &mut Draw, slow: &mut Draw, (geometry, signal): (&Geometry, &Signal), out: &mut String) {
+fn radar(
+    draw: &mut Draw,
+    [slow, kinds]: [&mut Draw; 2],
+    (geometry, signal): (&Geometry, &Signal),
+    out: &mut String,
+) {
     let Geometry { carrier_hz, prf_hz, bistatic, .. } = geometry;
     let Signal { bandwidth_hz, rate_hz, pulse_s, opens_s, samples } = signal;
     line!(out, "[radar]\ncarrier_hz = {carrier_hz:?}\nsample_rate_hz = {rate_hz:?}");
@@ -455,10 +465,8 @@ fn radar(draw: &mut Draw, slow: &mut Draw, (geometry, signal): (&Geometry, &Sign
         line!(out, "rain_mmph = {rain_mmph:?}\nrain_clutter = true\nrain_top_m = {top_m:?}");
     }
     let sweep = draw.one(&["up", "down"]);
-    line!(
-        out,
-        "[radar.waveform]\nkind = \"lfm\"\nbandwidth_hz = {bandwidth_hz:?}\npulse_s = {pulse_s:?}\nsweep = \"{sweep}\""
-    );
+    let sweep = format!("bandwidth_hz = {bandwidth_hz:?}\npulse_s = {pulse_s:?}\nsweep = \"{sweep}\"");
+    line!(out, "[radar.waveform]\n{}", waveform(kinds, sweep, *bandwidth_hz, *pulse_s).join("\n"));
     line!(out, "[radar.window]\nsamples = {samples}\nstart_us = {:?}", 1e6 * opens_s);
 }
 

@@ -6,7 +6,7 @@ use crate::frames::Earth;
 use crate::inputs::shown;
 use crate::motion::PlatformNav;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, TrackSource, VerticalDatum};
-use crate::scene::radar::{AimFrom, Gate, Sweep, TxPolarisation, Waveform};
+use crate::scene::radar::{AimFrom, Gate, Sweep, Taper, TxPolarisation, Waveform};
 use crate::scene::{Emitter, Radar};
 use crate::sinks::Kind;
 use crate::sinks::zmq::Messages;
@@ -113,6 +113,20 @@ fn waveform_text(waveform: &Waveform) -> String {
             neat(duration_s * 1e6),
             bandwidth_hz * duration_s
         ),
+        Waveform::Nlfm { bandwidth_hz, duration_s, sweep, taper } => format!(
+            "nonlinear FM {}, {} MHz in {} us, {}",
+            if *sweep == Sweep::Up { "up" } else { "down" },
+            neat(bandwidth_hz / 1e6),
+            neat(duration_s * 1e6),
+            match taper {
+                Taper::Taylor { sidelobe_db } => format!("Taylor taper of -{} dB", neat(*sidelobe_db)),
+                _ => "Hamming taper".to_owned(),
+            }
+        ),
+        Waveform::Cw { duration_s } => format!("plain pulse of {} us", neat(duration_s * 1e6)),
+        Waveform::PhaseCode { code, chip_s } => {
+            format!("{} code, {} chips of {} us", code.name(), code.chips(), neat(chip_s * 1e6))
+        }
         Waveform::Samples { path, rate_hz } => {
             format!("samples of {} at {} MHz", shown(path), neat(rate_hz / 1e6))
         }

@@ -57,10 +57,7 @@ pub(super) fn radar(
     let sample_rate_hz = section.number(&k::SAMPLE_RATE_HZ);
     let emissions = emissions(&section, [&k::PRF_HZ, &k::PRI_US]);
     let waveform = section.section(&k::WAVEFORM).and_then(|s| waveform(s, sample_rate_hz));
-    let pulse_s = match &waveform {
-        Some(Waveform::Lfm { duration_s, .. }) => Some(*duration_s),
-        _ => None,
-    };
+    let pulse_s = waveform.as_ref().and_then(Waveform::duration_s);
     let window =
         section.section(&k::WINDOW).and_then(|s| window(s, sample_rate_hz, pulse_s, ground, platforms));
     let (window, continuous) = window.unzip();

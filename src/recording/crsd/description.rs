@@ -161,7 +161,7 @@ impl Description {
             return Err(CrsdError::NoOrigin);
         }
         let Waveform::Lfm { bandwidth_hz, duration_s, sweep } = radar.waveform else {
-            return Err(CrsdError::Waveform);
+            return Err(CrsdError::Waveform { kind: radar.waveform.kind() });
         };
         let is_whole = header.replica.iter().all(|z| z.re.is_finite() && z.im.is_finite());
         if header.replica.is_empty() || !is_whole {

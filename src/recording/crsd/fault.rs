@@ -79,11 +79,15 @@ pub enum CrsdError {
         /// Two of them.
         channels: [String; 2],
     },
-    /// A waveform from a file.
+    /// A waveform that is no linear sweep.
     #[error(
-        "the waveform is read from a file; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\")"
+        "the waveform is {}; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\")",
+        if *kind == "samples" { "read from a file" } else { kind }
     )]
-    Waveform,
+    Waveform {
+        /// Its kind.
+        kind: &'static str,
+    },
     /// The transmitted pulse is missing.
     #[error("has no replica of finite samples, which range compression needs; allowed: a whole recording")]
     Replica,
