@@ -209,6 +209,10 @@ fn least_share(radar: &Radar) -> f64 {
 
 /// `E_2^2 / E_4`, s: the length of a pulse in band.
 fn seconds_of_pulse(waveform: &dyn Waveform, radar: &Radar) -> f64 {
+    if radar.dechirp.is_some() {
+        // A tone.
+        return waveform.duration_s().min(radar.window.samples as f64 / radar.sample_rate_hz);
+    }
     let filter = ReceiveFilter::new(radar.sample_rate_hz);
     // Beyond the band by many lobes there is next to nothing, and the squared spectrum is that of an
     // autocorrelation of length 2 Tc: a long sweep, which needs more frequencies, is smooth within its band.

@@ -14,6 +14,7 @@
 //! | waveform | `p(t)` | limits |
 //! | --- | --- | --- |
 //! | [`Lfm`] | linear sweep, up or down, or `B = 0`: plain pulse | `B Tc <= 1e8` |
+//! | [`Triangular`] | linear sweep up and down again | `B Tc <= 2e8` |
 //! | [`Nlfm`] | nonlinear sweep, by a taper of its power spectrum | `4 <= B Tc <= 2e4` |
 //! | [`Coded`] | chips of equal length: phase codes, or one chip: a plain pulse | 65536 chips |
 //! | [`Sampled`] | samples from a file, band-limited to their rate | 131072 samples |
@@ -35,6 +36,7 @@ mod nlfm;
 mod offset;
 mod sampled;
 mod table;
+mod triangular;
 
 use std::fmt;
 use std::path::PathBuf;
@@ -50,6 +52,7 @@ pub use lfm::Lfm;
 pub use nlfm::{MAX_NONLINEAR, MIN_NONLINEAR, Nlfm, SIDELOBES_DB};
 pub(crate) use offset::Offset;
 pub use sampled::{MAX_SAMPLES, Sampled};
+pub use triangular::Triangular;
 
 /// Largest time-bandwidth product of a sweep: the spectrum is then still exact to 1e-7 of its peak.
 pub const MAX_TIME_BANDWIDTH: f64 = 1e8;
@@ -100,6 +103,9 @@ pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn 
     Ok(match description {
         scene::radar::Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
             Arc::new(Lfm::new(*bandwidth_hz, *duration_s, *sweep)?)
+        }
+        scene::radar::Waveform::Triangular { bandwidth_hz, duration_s } => {
+            Arc::new(Triangular::new(*bandwidth_hz, *duration_s)?)
         }
         scene::radar::Waveform::Nlfm { bandwidth_hz, duration_s, sweep, taper } => {
             Arc::new(Nlfm::new(*bandwidth_hz, *duration_s, *sweep, *taper)?)

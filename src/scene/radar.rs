@@ -8,7 +8,7 @@ use crate::frames::{Body, Enu, Point, Vector};
 use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
 
-pub use waveform::{Code, Sweep, Taper, Waveform};
+pub use waveform::{Code, Dechirp, Sweep, Taper, Waveform};
 
 /// The radar: every emission and every receive window of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +19,8 @@ pub struct Radar {
     pub sample_rate_hz: f64,
     /// What is radiated.
     pub waveform: Waveform,
+    /// Dechirp on reception; `None` for none.
+    pub dechirp: Option<Dechirp>,
     /// When pulses leave, relative to pulse 0; of continuous reception when its blocks begin.
     pub emissions: PulseTimes,
     /// Of continuous reception, when pulses leave. What is a pulse elsewhere then is a block of samples: one
@@ -66,6 +68,7 @@ impl Radar {
             carrier_hz,
             sample_rate_hz,
             waveform,
+            dechirp: None,
             emissions,
             sent: None,
             tx_polarisation: TxPolarisation::Simultaneous,

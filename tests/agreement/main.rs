@@ -12,6 +12,7 @@ mod choppy;
 mod closed_forms;
 mod continuous;
 mod emitters;
+mod dechirp;
 mod ends;
 mod hidden;
 mod horizon;

@@ -12,7 +12,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::random_ends::{emitters, more_ends};
-use super::random_waveforms::waveform;
+use super::random_waveforms::{dechirp, waveform};
 
 const LIGHT_MPS: f64 = 299_792_458.0;
 /// Keeps draws of slow time apart from those of the rest.
@@ -170,10 +170,10 @@ pub(super) struct Geometry {
 
 /// Waveform and receive window.
 pub(super) struct Signal {
-    bandwidth_hz: f64,
+    pub(super) bandwidth_hz: f64,
     pub(super) rate_hz: f64,
-    pulse_s: f64,
-    opens_s: f64,
+    pub(super) pulse_s: f64,
+    pub(super) opens_s: f64,
     pub(super) samples: u64,
 }
 
@@ -203,6 +203,8 @@ pub fn random_scene(seed: u64) -> RandomScene {
     let mut geometry = Geometry::drawn(&mut draw, extremes);
     let mut signal = Signal::drawn(&mut draw, &geometry);
     overlap(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ OVERLAP)), &mut geometry, &mut signal);
+    let mut kinds = Draw(ChaCha8Rng::seed_from_u64(seed ^ WAVEFORMS));
+    let dechirp = dechirp(&mut kinds, &geometry, &mut signal);
     let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
     let mut fine = Draw(ChaCha8Rng::seed_from_u64(seed ^ FINE));
     let asked_db = if fine.chance(0.08) { fine.one(&[-90.0, -95.0]) } else { asked_db };
@@ -215,8 +217,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
         [SLOW_TIME, SPECKLE].map(|salt| Draw(ChaCha8Rng::seed_from_u64(seed ^ salt)));
     sea(&mut draw, [&mut slow, &mut speckle], extremes, &mut text);
     on_the_sea(&mut draw, &geometry, &mut text);
-    let mut kinds = Draw(ChaCha8Rng::seed_from_u64(seed ^ WAVEFORMS));
-    radar(&mut draw, [&mut slow, &mut kinds], (&geometry, &signal), &mut text);
+    radar(&mut draw, [&mut slow, &mut kinds], (&geometry, &signal, dechirp), &mut text);
     platforms(&mut draw, &geometry, &mut text);
     antennas(&mut draw, &geometry, &mut text);
     more_ends(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ ENDS)), (&geometry, &signal), &mut text);
@@ -436,7 +437,7 @@ fn rhythm(draw: &mut Draw, prf_hz: f64, out: &mut String) {
 fn radar(
     draw: &mut Draw,
     [slow, kinds]: [&mut Draw; 2],
-    (geometry, signal): (&Geometry, &Signal),
+    (geometry, signal, dechirp): (&Geometry, &Signal, Option<f64>),
     out: &mut String,
 ) {
     let Geometry { carrier_hz, prf_hz, bistatic, .. } = geometry;
@@ -466,7 +467,12 @@ fn radar(
     }
     let sweep = draw.one(&["up", "down"]);
     let sweep = format!("bandwidth_hz = {bandwidth_hz:?}\npulse_s = {pulse_s:?}\nsweep = \"{sweep}\"");
-    line!(out, "[radar.waveform]\n{}", waveform(kinds, sweep, *bandwidth_hz, *pulse_s).join("\n"));
+    let keys = match dechirp {
+        Some(_) => vec!["kind = \"lfm\"".to_owned(), sweep],
+        None => waveform(kinds, sweep, *bandwidth_hz, *pulse_s),
+    };
+    line!(out, "[radar.waveform]\n{}", keys.join("\n"));
+    dechirp.iter().for_each(|delay_s| line!(out, "[radar.dechirp]\ndelay_us = {:?}", 1e6 * delay_s));
     line!(out, "[radar.window]\nsamples = {samples}\nstart_us = {:?}", 1e6 * opens_s);
 }
 

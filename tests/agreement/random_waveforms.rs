@@ -1,12 +1,33 @@
-//! What random scenes radiate: often a linear sweep, else one of the other kinds of about its band and length.
+//! What random scenes radiate: often a linear sweep, else one of the other kinds of about its band and
+//! length.
 
-use super::random_scene::Draw;
+use super::random_scene::{Draw, Geometry, Signal};
+
+/// Now and then the delay of a reference that echoes are dechirped by, s, near the patch, and a lower rate at
+/// which they are sampled: some of their beats are filtered away, or nearly all.
+pub(super) fn dechirp(draw: &mut Draw, geometry: &Geometry, signal: &mut Signal) -> Option<f64> {
+    if !draw.chance(0.12) {
+        return None;
+    }
+    let window_s = signal.samples as f64 / signal.rate_hz;
+    let slower = draw.log(1.0, 12.0);
+    signal.rate_hz /= slower;
+    signal.samples = ((window_s * signal.rate_hz) as u64).max(16);
+    let [nearest_s, farthest_s] = geometry.delays_s();
+    // As the pulse that the window is for left before its own.
+    let late_s = (nearest_s - signal.opens_s).max(0.0);
+    Some((draw.between(nearest_s, farthest_s) - late_s).max(0.0))
+}
 
 /// The keys of a waveform, separated as those of a table in one line: `sweep` as they are for a linear sweep.
 pub(super) fn waveform(draw: &mut Draw, sweep: String, bandwidth_hz: f64, pulse_s: f64) -> Vec<String> {
     let product = bandwidth_hz * pulse_s;
     let text = |keys: &[String]| keys.to_vec();
-    match draw.one(&["lfm", "lfm", "lfm", "lfm", "cw", "nlfm", "code", "code"]) {
+    match draw.one(&["lfm", "lfm", "lfm", "triangular", "cw", "nlfm", "code", "code"]) {
+        "triangular" => {
+            let sweep = sweep.replace("\"down\"", "\"up\"").replace("\"up\"", "\"triangular\"");
+            text(&["kind = \"lfm\"".to_owned(), sweep])
+        }
         "cw" => text(&["kind = \"cw\"".to_owned(), format!("pulse_s = {pulse_s:?}")]),
         "nlfm" if (4.0..=20_000.0).contains(&product) => {
             let taper = match draw.chance(0.3) {

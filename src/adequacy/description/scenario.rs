@@ -113,6 +113,11 @@ fn waveform_text(waveform: &Waveform) -> String {
             neat(duration_s * 1e6),
             bandwidth_hz * duration_s
         ),
+        Waveform::Triangular { bandwidth_hz, duration_s } => format!(
+            "linear FM up and down, {} MHz in {} us",
+            neat(bandwidth_hz / 1e6),
+            neat(duration_s * 1e6)
+        ),
         Waveform::Nlfm { bandwidth_hz, duration_s, sweep, taper } => format!(
             "nonlinear FM {}, {} MHz in {} us, {}",
             if *sweep == Sweep::Up { "up" } else { "down" },

@@ -249,6 +249,7 @@ pub static TABLES: &[&Table] = &[
     &patch_follow::TABLE,
     &radar::TABLE,
     &waveform::TABLE,
+    &dechirp::TABLE,
     &window::TABLE,
     &follow::TABLE,
     &adc::TABLE,

@@ -1,10 +1,10 @@
 //! Trains of pulses and waveforms, of the radar and of emitters.
 
-use crate::config::choices::{Choice, CodeKind, TaperKind, WaveformKind};
+use crate::config::choices::{Choice, CodeKind, SweepKind, TaperKind, WaveformKind};
 use crate::config::error::Problem;
 use crate::config::keys::{Key, figure};
 use crate::config::section::Section;
-use crate::scene::radar::{Code, Taper, Waveform};
+use crate::scene::radar::{Code, Sweep, Taper, Waveform};
 use crate::time::PulseTimes;
 
 /// Bandwidth times length of nonlinear sweeps: the least, and the most.
@@ -43,9 +43,10 @@ pub(super) fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Opt
         Some((bandwidth_hz?, duration_s?, sweep?))
     };
     let waveform = match section.choice(&KIND) {
-        Some(WaveformKind::Lfm) => {
-            swept().map(|(bandwidth_hz, duration_s, sweep)| Waveform::Lfm { bandwidth_hz, duration_s, sweep })
-        }
+        Some(WaveformKind::Lfm) => swept().map(|(bandwidth_hz, duration_s, kind)| match direction(kind) {
+            Some(sweep) => Waveform::Lfm { bandwidth_hz, duration_s, sweep },
+            None => Waveform::Triangular { bandwidth_hz, duration_s },
+        }),
         Some(WaveformKind::Nlfm) => {
             let (swept, taper) = (swept(), taper(&section));
             let product = swept.map(|(bandwidth_hz, duration_s, _)| bandwidth_hz * duration_s);
@@ -56,20 +57,25 @@ pub(super) fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Opt
                     format!("a product of {} to {} for kind = \"nlfm\"", figure(least), figure(most));
                 section.fault(&PULSE_S, Problem::Type { found, allowed });
             }
-            swept.zip(taper).map(|((bandwidth_hz, duration_s, sweep), taper)| Waveform::Nlfm {
-                bandwidth_hz,
-                duration_s,
-                sweep,
-                taper,
+            let sweep = swept.map(|(.., kind)| direction(kind));
+            if sweep == Some(None) {
+                let found = "sweep = \"triangular\" of kind = \"nlfm\"".to_owned();
+                section.fault(&SWEEP, Problem::Type { found, allowed: "\"up\", \"down\"".to_owned() });
+            }
+            swept.zip(taper).zip(sweep.flatten()).map(|(((bandwidth_hz, duration_s, _), taper), sweep)| {
+                Waveform::Nlfm { bandwidth_hz, duration_s, sweep, taper }
             })
         }
         Some(WaveformKind::Cw) => section.number(&PULSE_S).map(|duration_s| Waveform::Cw { duration_s }),
         Some(WaveformKind::PhaseCode) => {
             let (code, chip_s) = (code(&section), section.number(&CHIP_S));
-            chip_s.into_iter().for_each(|chip_s| {
+            if let Some(hz) = chip_s.map(f64::recip) {
                 // A chip of one sample must pass although its reciprocal is rounded.
-                too_wide(&CHIP_S, chip_s.recip() * (1.0 - 4.0 * f64::EPSILON));
-            });
+                let fits = sample_rate_hz.is_none_or(|rate_hz| hz * (1.0 - 4.0 * f64::EPSILON) <= rate_hz);
+                if !fits {
+                    too_wide(&CHIP_S, hz);
+                }
+            }
             code.zip(chip_s).map(|(code, chip_s)| Waveform::PhaseCode { code, chip_s })
         }
         Some(WaveformKind::File) => {
@@ -80,6 +86,15 @@ pub(super) fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Opt
     };
     section.finish();
     waveform
+}
+
+/// Of a sweep that has one.
+fn direction(kind: SweepKind) -> Option<Sweep> {
+    match kind {
+        SweepKind::Up => Some(Sweep::Up),
+        SweepKind::Down => Some(Sweep::Down),
+        SweepKind::Triangular => None,
+    }
 }
 
 /// The taper of a nonlinear sweep.
@@ -97,7 +112,14 @@ fn taper(section: &Section<'_>) -> Option<Taper> {
 /// A phase code of as many chips as are written.
 fn code(section: &Section<'_>) -> Option<Code> {
     use crate::config::keys::waveform::{CHIPS, CODE, REGISTER};
-    let kind: CodeKind = section.choice(&CODE)?;
+    let Some(kind): Option<CodeKind> = section.choice(&CODE) else {
+        // Which of these belong to it is unknown.
+        let written = [&CHIPS, &REGISTER].into_iter().filter(|key| section.has(key));
+        written.for_each(|key| {
+            section.count(key);
+        });
+        return None;
+    };
     if kind == CodeKind::MSequence {
         section.idle(&[&CHIPS], "code = \"m-sequence\"");
         return Some(Code::MSequence { register: u32::try_from(section.count(&REGISTER)?).ok()? });

@@ -7,8 +7,8 @@
 //! P(f) = Tb sinc(f Tb) e^{-j pi f Tb} sum_k c_k e^{-j 2 pi k f Tb} ,   sinc x = sin(pi x)/(pi x)
 //! ```
 //!
-//! A jump of phase is infinitely wide: `|P|` falls as `1/f`. Nothing is smoothed here; the receive filter limits
-//! it, as it does the edges of any pulse.
+//! A jump of phase is infinitely wide: `|P|` falls as `1/f`. Nothing is smoothed here; the receive filter
+//! limits it, as it does the edges of any pulse.
 //!
 //! | code | phase of chip `k = 0 .. N-1` | side lobes of the compressed pulse |
 //! | --- | --- | --- |
@@ -16,7 +16,7 @@
 //! | Frank | `(2 pi/M) i j`, `k = M i + j`, `N = M^2` | about `1/(pi M)` |
 //! | P3 | `pi k^2/N` | `sin(pi l^2/N) / (N sin(pi l/N))` at a lag of `l` chips |
 //! | P4 | `pi k^2/N - pi k` | as P3 |
-//! | m-sequence | `pi a_k`, `a_k = sum a_{k-t} mod 2` over the taps, first `a_k = 1`, `N = 2^n - 1` | periodic: `-1/N` |
+//! | m-sequence | `pi a_k`, `a_k = sum_t a_{k-t} mod 2`, first 1, `N = 2^n - 1` | periodic: `-1/N` |
 //!
 //! Source: Levanon and Mozeson, *Radar Signals* (2004), chapter 6; Lewis and Kretschmer, IEEE Trans. AES-18
 //! (1982) 637 (P3, P4); Golomb, *Shift Register Sequences* (1967).

@@ -1,34 +1,36 @@
 //! Nonlinear frequency modulation: a sweep that dwells where its power spectrum is to be high.
 //!
-//! A taper `W(f) = 1 + 2 sum_m F_m cos(2 pi m f/B)` over the band `|f| <= B/2` is to be the power spectrum, so
-//! that the compressed pulse has the side lobes of `W` although its amplitude is constant. By the principle of
-//! stationary phase the sweep then spends a time in proportion to `W` at every frequency: with `x = f/B` and
-//! `y = t/Tc - 1/2` the instantaneous frequency `B x(y)` and the phase `theta` of a rising sweep are
+//! A taper `W(f) = 1 + 2 sum_m F_m cos(2 pi m f/B)` over the band `|f| <= B/2` is to be the power spectrum,
+//! so that the compressed pulse has the side lobes of `W` although its amplitude is constant. By the
+//! principle of stationary phase the sweep then spends a time in proportion to `W` at every frequency: with
+//! `x = f/B` and `y = t/Tc - 1/2` the instantaneous frequency `B x(y)` and the phase `theta` of a rising
+//! sweep are
 //!
 //! ```text
 //! y(x) = x + sum_m F_m sin(2 pi m x)/(pi m) ,   y(+-1/2) = +-1/2
 //! theta = 2 pi B Tc [x y - x^2/2 + sum_m F_m (cos(2 pi m x) - 1)/(2 pi^2 m^2)] ,   p(t) = e^{j theta}
 //! ```
 //!
-//! `theta` is the Legendre transform of the integral of `y`, so `dtheta/dy = 2 pi B Tc x` exactly. A falling sweep
-//! is the conjugate. Side lobes come near to those of the taper from `B Tc` of some hundreds on; below, the edges
-//! of the pulse decide.
+//! `theta` is the Legendre transform of the integral of `y`, so `dtheta/dy = 2 pi B Tc x` exactly. A falling
+//! sweep is the conjugate. Side lobes come near to those of the taper from `B Tc` of some hundreds on; below,
+//! the edges of the pulse decide.
 //!
 //! | taper | `F_m` | side lobes |
 //! | --- | --- | --- |
 //! | Hamming | `F_1 = 0.46/1.08` | -42.7 dB |
-//! | Taylor | by level and order `n`, the least integer from `2 A^2 + 1/2` on, `A = acosh(10^(dB/20))/pi` | as asked |
+//! | Taylor | of the least order from `2 A^2 + 1/2` on, `A = acosh(10^(dB/20))/pi` | as asked |
 //!
 //! There is no closed form of `P`. From `-F` to `F` it is read from a table of 16 entries per `1/Tc`, made by
-//! Gauss's rule of 16 points on parts of the pulse over which `e^{j theta - j 2 pi f t}` turns by 16 rad at most;
-//! interpolated as [`Sampled`](super::Sampled) has it. Beyond, both ends of the pulse are what is left, by parts:
+//! Gauss's rule of 16 points on parts of the pulse over which `e^{j theta - j 2 pi f t}` turns by 16 rad at
+//! most; interpolated as [`Sampled`](super::Sampled) has it. Beyond, both ends of the pulse are what is left,
+//! by parts:
 //!
 //! ```text
 //! int g e^{j h} dt = [e^{j h} sum_n u_n] ,   u_0 = 1/(j h'), u_{n+1} = -u_n'/(j h') ,   h = theta - 2 pi f t
 //! ```
 //!
-//! in powers of `f` about the band's edge, where `y(x)` has a series and `t` is a function of `x`. `F` is the first of
-//! `B`, `1.5 B`, `2 B`, ... at which both agree to 1e-11 of `sqrt(Tc/B)`.
+//! in powers of `f` about the band's edge, where `y(x)` has a series and `t` is a function of `x`. `F` is the
+//! first of `B`, `1.5 B`, `2 B`, ... at which both agree to 1e-11 of `sqrt(Tc/B)`.
 //!
 //! Source: Cook and Bernfeld, *Radar Signals* (1967), chapter 3; Taylor, IRE Trans. AP-3 (1955) 16.
 

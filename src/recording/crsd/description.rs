@@ -155,6 +155,9 @@ impl Description {
         if header.is_continuous() {
             return Err(CrsdError::Continuous);
         }
+        if header.is_dechirped() {
+            return Err(CrsdError::Dechirped);
+        }
         let radar = &scene.radar;
         let frame = scene.frame;
         if frame.origin().is_none() {

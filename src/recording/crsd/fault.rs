@@ -39,6 +39,9 @@ pub enum CrsdError {
          allowed: gate = \"windowed\", or another format"
     )]
     Continuous,
+    /// Tones in place of pulses.
+    #[error("echoes are dechirped (radar.dechirp); allowed for CRSD: no dechirp, or another format")]
+    Dechirped,
     /// A scenario that does not describe the recording.
     #[error("the scenario in the recording has no {what} {}", one_line(name))]
     Undescribed {

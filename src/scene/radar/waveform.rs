@@ -15,6 +15,13 @@ pub enum Waveform {
         /// Direction of the sweep.
         sweep: Sweep,
     },
+    /// Linear frequency modulation up in the first half of the pulse and down in the second.
+    Triangular {
+        /// Swept bandwidth B, Hz.
+        bandwidth_hz: f64,
+        /// Length of both, s.
+        duration_s: f64,
+    },
     /// Frequency modulation whose power spectrum is a taper.
     Nlfm {
         /// Swept bandwidth B, Hz.
@@ -51,9 +58,10 @@ impl Waveform {
     /// Length of the pulse, s; `None` where a file has it.
     pub fn duration_s(&self) -> Option<f64> {
         match self {
-            Self::Lfm { duration_s, .. } | Self::Nlfm { duration_s, .. } | Self::Cw { duration_s } => {
-                Some(*duration_s)
-            }
+            Self::Lfm { duration_s, .. }
+            | Self::Triangular { duration_s, .. }
+            | Self::Nlfm { duration_s, .. }
+            | Self::Cw { duration_s } => Some(*duration_s),
             Self::PhaseCode { code, chip_s } => Some(code.chips() as f64 * chip_s),
             Self::Samples { .. } => None,
         }
@@ -62,7 +70,9 @@ impl Waveform {
     /// Bandwidth, Hz: swept, `1/Tc` of a plain pulse, one over a chip of a code; `None` where a file has it.
     pub fn bandwidth_hz(&self) -> Option<f64> {
         match self {
-            Self::Lfm { bandwidth_hz, .. } | Self::Nlfm { bandwidth_hz, .. } => Some(*bandwidth_hz),
+            Self::Lfm { bandwidth_hz, .. }
+            | Self::Triangular { bandwidth_hz, .. }
+            | Self::Nlfm { bandwidth_hz, .. } => Some(*bandwidth_hz),
             Self::Cw { duration_s } => Some(duration_s.recip()),
             Self::PhaseCode { chip_s, .. } => Some(chip_s.recip()),
             Self::Samples { .. } => None,
@@ -73,12 +83,20 @@ impl Waveform {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Lfm { .. } => "lfm",
+            Self::Triangular { .. } => "triangular",
             Self::Nlfm { .. } => "nlfm",
             Self::Cw { .. } => "cw",
             Self::PhaseCode { .. } => "phase-code",
             Self::Samples { .. } => "samples",
         }
     }
+}
+
+/// What is received is multiplied by the conjugate of the waveform, so much later.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dechirp {
+    /// Delay of the reference after the emission, s.
+    pub delay_s: f64,
 }
 
 /// Direction of a sweep.
