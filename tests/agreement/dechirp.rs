@@ -47,6 +47,7 @@ fn an_echo_is_a_tone_of_known_frequency_and_phase() {
     let (bandwidth_hz, pulse_s, power_w, distance_m) = (150e6, 500e-6, 5.0f64, 5000.0);
     let delay_s = distance_m / C;
     for (echo, sweep, reference_us, start_us) in some_of([
+        // Sweeps that follow each other without a pause: what is left of the one before is filtered away.
         ("fast", "up", 15.2, 0.0),
         ("reference", "up", 15.2, 0.0),
         ("fast", "down", 18.1, 3.3),
@@ -56,7 +57,7 @@ fn an_echo_is_a_tone_of_known_frequency_and_phase() {
         ("fast", "up", 16.678_204_76, 100.123_456),
     ]) {
         let radar = format!(
-            "prf_hz = 1000.0\nchannels = [\"VV\"]\ndirect_path = true
+            "prf_hz = 2000.0\nchannels = [\"VV\"]\ndirect_path = true
             window = {{ samples = 1000, start_us = {start_us:?} }}
             dechirp = {{ delay_us = {reference_us:?} }}
             waveform = {{ kind = \"lfm\", bandwidth_hz = {bandwidth_hz:?}, pulse_s = {pulse_s:?}, sweep = \"{sweep}\" }}"
@@ -106,6 +107,52 @@ fn an_echo_is_a_tone_of_known_frequency_and_phase() {
         assert!(error_db < -60.0, "{echo}, {sweep}, {reference_us} us: {error_db} dB");
         assert!(silent < 1e-3, "{silent}");
     }
+}
+
+/// Up and down: two tones, of the signs of either half, where echo and reference are in the same half.
+#[test]
+fn a_triangular_sweep_gives_two_tones() {
+    let (bandwidth_hz, pulse_s, distance_m, reference_s) = (100e6, 500e-6, 5000.0, 16e-6);
+    let delay_s = distance_m / C;
+    let radar = format!(
+        "prf_hz = 1000.0\nchannels = [\"VV\"]\ndirect_path = true
+        window = {{ samples = 1100, start_us = 0 }}
+        dechirp = {{ delay_us = 16.0 }}
+        waveform = {{ kind = \"lfm\", bandwidth_hz = {bandwidth_hz:?}, pulse_s = {pulse_s:?}, sweep = \"triangular\" }}"
+    );
+    let own = [
+        ("fidelity.error_db", "-80"),
+        ("transmitter.0.platform", "far"),
+        ("transmitter.0.antenna", "{ kind = 'isotropic' }"),
+    ];
+    let run = run(0.002, false, &radar, &masts(distance_m), &[&own[..], &ON_MAST].concat());
+    let rate = 2.0 * bandwidth_hz / pulse_s;
+    // tx: 3 W.
+    let amplitude = 3f64.sqrt() * C / CARRIER_HZ / (2.0 * TAU * distance_m);
+    let (mut off, mut count) = (0.0, 0);
+    for (j, found) in samples(&made(&run, 1)[0]).into_iter().enumerate() {
+        let t_s = j as f64 / RATE_HZ;
+        let edge_s = 40.0 / RATE_HZ;
+        // Rising, falling: the middle of the half, and the sign.
+        for (half, sign) in [(0.0, 1.0), (1.0, -1.0)] {
+            let from_s = 0.5 * half * pulse_s + delay_s + edge_s;
+            let to_s = 0.5 * (half + 1.0) * pulse_s + reference_s - edge_s;
+            if t_s > from_s && t_s < to_s {
+                let middle_s = (0.25 + 0.5 * half) * pulse_s;
+                let turns = -sign * rate * (delay_s - reference_s) * (t_s - middle_s)
+                    + 0.5 * sign * rate * (delay_s * delay_s - reference_s * reference_s)
+                    - (CARRIER_HZ * delay_s).fract();
+                off += (found / amplitude - Complex64::cis(TAU * turns.fract())).norm_sqr();
+                count += 1;
+            }
+        }
+    }
+    let error_db = 10.0 * (off / f64::from(count)).log10();
+    println!(
+        "triangular: beats of {:.0} Hz, off by {error_db:.1} dB in {count} samples",
+        rate * (delay_s - reference_s)
+    );
+    assert!(count > 800 && error_db < -60.0, "{count}, {error_db}");
 }
 
 /// A target that closes: the beat frequency has its Doppler, and turns from sweep to sweep by the carrier.
