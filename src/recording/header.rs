@@ -424,8 +424,8 @@ impl Header {
         .find_map(|(field, same)| (!same).then_some(field))
     }
 
-    /// Whether echoes are dechirped: a sample then belongs to a time within the sweep, and a beat frequency to a
-    /// delay.
+    /// Whether echoes are dechirped: a sample then belongs to a time within the sweep, and a beat frequency
+    /// to a delay.
     pub fn is_dechirped(&self) -> bool {
         self.instrument.as_ref().is_some_and(|instrument| instrument.dechirp_s.is_some())
     }
