@@ -138,7 +138,7 @@ fn strongest_echoes(sights: &Sights<'_>, at: Moment<'_>) -> Result<Vec<f64>, Bui
 /// `E_f / T`: what the receive filter leaves of the power of a pulse.
 fn passing(waveform: &dyn Waveform, offset_hz: f64, filter: &ReceiveFilter, sample_rate_hz: f64) -> f64 {
     let duration_s = waveform.duration_s();
-    let half_hz = 0.5 * waveform.bandwidth_hz() + LOBES / duration_s;
+    let half_hz = 0.5 * waveform.bandwidth_hz() + LOBES * waveform.lobe_hz();
     let from_hz = (-half_hz).max(-0.5 * sample_rate_hz - offset_hz);
     let band_hz = half_hz.min(0.5 * sample_rate_hz - offset_hz) - from_hz;
     if band_hz <= 0.0 {

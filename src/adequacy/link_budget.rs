@@ -209,11 +209,15 @@ fn least_share(radar: &Radar) -> f64 {
 
 /// `E_2^2 / E_4`, s: the length of a pulse in band.
 fn seconds_of_pulse(waveform: &dyn Waveform, radar: &Radar) -> f64 {
+    if radar.dechirp.is_some() {
+        // A tone.
+        return waveform.duration_s().min(radar.window.samples as f64 / radar.sample_rate_hz);
+    }
     let filter = ReceiveFilter::new(radar.sample_rate_hz);
     // Beyond the band by many lobes there is next to nothing, and the squared spectrum is that of an
     // autocorrelation of length 2 Tc: a long sweep, which needs more frequencies, is smooth within its band.
     let duration_s = waveform.duration_s();
-    let band_hz = radar.sample_rate_hz.min(waveform.bandwidth_hz() + LOBES / duration_s);
+    let band_hz = radar.sample_rate_hz.min(waveform.bandwidth_hz() + LOBES * waveform.lobe_hz());
     let count = ((2.0 * duration_s * band_hz).ceil() as usize).clamp(FREQUENCIES[0], FREQUENCIES[1]);
     let step_hz = band_hz / count as f64;
     let [mut first, mut second] = [0.0; 2];

@@ -9,7 +9,7 @@ pub(super) use crate::motion::errors::{Between, Recorded};
 use crate::motion::gusts::LEVELS_MPS;
 pub(super) use crate::nav::{FileFormat, MotionBounds};
 pub(super) use crate::radar::clock::Oscillator;
-pub(super) use crate::scene::radar::{AimFrom, Polarisation, Sweep};
+pub(super) use crate::scene::radar::{AimFrom, Polarisation};
 pub(super) use crate::scene::sea::{Averaging, Breaking, LightWinds, Permittivity, Phases, Splitting, Waves};
 pub(super) use crate::scene::ship::UpAxis;
 pub(super) use crate::scene::water::WindProfile;
@@ -70,7 +70,10 @@ choices! {
     Begin { Now = "now", Live = "live" }
     PatchKind { Fixed = "fixed", Follow = "follow" }
     AimKind { At = "at", Beside = "beside" }
-    WaveformKind { Lfm = "lfm", File = "file" }
+    WaveformKind { Lfm = "lfm", Nlfm = "nlfm", Cw = "cw", PhaseCode = "phase-code", File = "file" }
+    SweepKind { Up = "up", Down = "down", Triangular = "triangular" }
+    TaperKind { Taylor = "taylor", Hamming = "hamming" }
+    CodeKind { Barker = "barker", Frank = "frank", P3 = "p3", P4 = "p4", MSequence = "m-sequence" }
     GateKind { Windowed = "windowed", Continuous = "continuous" }
     TxKind { Simultaneous = "simultaneous", Alternating = "alternating" }
     SignalKind { Tone = "tone", Loopback = "loopback" }
@@ -136,7 +139,6 @@ words! {
     }
     AimFrom { "reported" = Self::Reported, "true" = Self::True }
     Polarisation { "H" = Self::H, "V" = Self::V, "R" = Self::R, "L" = Self::L }
-    Sweep { "up" = Self::Up, "down" = Self::Down }
     Oscillator { "ocxo" = Self::Ocxo, "tcxo" = Self::Tcxo, "gpsdo" = Self::Gpsdo, "rubidium" = Self::Rubidium }
     Class { "sps" = Self::Sps, "rtk" = Self::Rtk, "tactical" = Self::Tactical, "navigation" = Self::Navigation }
     Recorded { "truth" = Self::Truth, "reported" = Self::Reported }

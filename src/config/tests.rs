@@ -27,6 +27,7 @@ mod faults;
 mod sea;
 mod sea_defaults;
 mod ship;
+mod waveforms;
 
 /// An emitter with every key but one of those of its train.
 const EMITTER: &str = concat!(
@@ -109,6 +110,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
     seas.extend(errors::variants());
     seas.extend(live::variants());
     seas.extend(changes::variants());
+    seas.extend(waveforms::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides), Files::Required).asked);

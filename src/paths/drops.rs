@@ -46,7 +46,6 @@ use crate::radar::lobe::MainLobe;
 use crate::radar::rain::{fall_mps, volume_reflectivity_per_m};
 use crate::radar::window::Window;
 use crate::rng::{Room, stream};
-use crate::scene::radar::Waveform;
 use crate::scene::{Radar, Scene};
 use crate::sea::wind::Wind;
 use crate::units::SPEED_OF_LIGHT_MPS;
@@ -150,10 +149,7 @@ impl RainPlan {
     /// Of a scene whose rain returns an echo; `None` of others.
     pub fn new(scene: &Scene, antennas: &[Antenna], pulse_length_s: f64) -> Option<Self> {
         let Radar { carrier_hz, rain_mmph, sample_rate_hz, .. } = scene.radar;
-        let bandwidth_hz = match scene.radar.waveform {
-            Waveform::Lfm { bandwidth_hz, .. } => bandwidth_hz,
-            Waveform::Samples { .. } => sample_rate_hz,
-        };
+        let bandwidth_hz = scene.radar.waveform.bandwidth_hz().unwrap_or(sample_rate_hz);
         // That of a pulse without modulation.
         let bandwidth_hz = bandwidth_hz.max(pulse_length_s.recip()).min(sample_rate_hz);
         let clutter = scene.radar.rain_clutter.filter(|_| rain_mmph > 0.0)?;

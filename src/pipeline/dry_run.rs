@@ -63,16 +63,18 @@ const HEAVIEST_TAIL: f64 = 1.5;
 const LEAST_TAIL: usize = 4;
 const OF_FEW: f64 = 0.5;
 
-/// The settings of a scene for every one of some errors, tried where that costs little.
+/// The settings of a scene for every one of some errors, tried where that costs little, where a mixer leaves
+/// so much of the power of echoes.
 pub(crate) fn plans(
     scene: &Scene,
     generator: &PathGenerator,
     waveform: &Arc<dyn Waveform>,
+    mixed: f64,
     asked: &[Asked],
 ) -> Result<Vec<Plan>, BuildErrors> {
     let Some(first) = asked.first() else { return Ok(Vec::new()) };
     let mut chooser = Chooser::new(scene, generator, waveform, first)?;
-    asked.iter().map(|asked| plan(&mut chooser, scene, generator, waveform, asked)).collect()
+    asked.iter().map(|asked| plan(&mut chooser, scene, generator, waveform, (asked, mixed))).collect()
 }
 
 fn plan(
@@ -80,10 +82,11 @@ fn plan(
     scene: &Scene,
     generator: &PathGenerator,
     waveform: &Arc<dyn Waveform>,
-    asked: &Asked,
+    (asked, mixed): (&Asked, f64),
 ) -> Result<Plan, BuildErrors> {
     // A pulse is judged by the mean of all, of which few may receive anything.
-    let share = if generator.is_apart() { least_share(share_of_pulses(generator, generator)?) } else { 1.0 };
+    let share =
+        if generator.is_apart() { least_share(share_of_pulses(generator, generator)?) } else { mixed };
     let finer = |error_db: f64| (error_db + 10.0 * share.log10()).max(EXACT_DB.min(error_db));
     let choose = |chooser: &mut Chooser<'_>, error_db: f64, node_pulses: Option<u64>| {
         let plan = chooser.choose(&Asked { error_db: finer(error_db), node_pulses, ..*asked })?;
@@ -101,6 +104,7 @@ fn plan(
     let exact = chooser.choose(&exact)?;
     let exact = Plan { prediction: exact.prediction.over_share(share), ..exact };
     let Some(trial) = Trial::new(scene, generator, waveform, chosen, &exact)? else { return Ok(first) };
+    let trial = Trial { mixed, ..trial };
     let (mut tried, mut target_db) = (first, asked.error_db);
     let mut best: Option<Plan> = None;
     let mut tries = 0;
@@ -189,6 +193,8 @@ struct Trial<'a> {
     means: Vec<f64>,
     /// What the finest grid leaves, a ratio of powers.
     own: f64,
+    /// What a mixer leaves of the power of echoes.
+    mixed: f64,
 }
 
 impl<'a> Trial<'a> {
@@ -203,7 +209,8 @@ impl<'a> Trial<'a> {
         let radar = Radar { noise_figure_db: None, adc: None, ..scene.radar.clone() };
         let (samples, means) = (Vec::new(), Vec::new());
         let own = exact.prediction.echo.gridding;
-        let mut trial = Self { scene, radar, generator, waveform, chosen, exact: samples, means, own };
+        let mut trial =
+            Self { scene, radar, generator, waveform, chosen, exact: samples, means, own, mixed: 1.0 };
         let Some(samples) = trial.samples(exact)? else { return Ok(None) };
         let channels = trial.radar.channels.len();
         let spread = samples.iter().zip(&trial.chosen.spread).filter(|(_, spread)| **spread);
@@ -264,7 +271,7 @@ impl<'a> Trial<'a> {
         );
         let prediction = &mut plan.prediction;
         let both = self.own + prediction.echo.doppler + prediction.echo.rounding;
-        let found = found * 10f64.powf(0.1 * MORE_DB) + both;
+        let found = found / self.mixed * 10f64.powf(0.1 * MORE_DB) + both;
         let error = if self.chosen.all { found } else { found.max(prediction.modelled()) };
         let pulses = self.chosen.pulses.len() as u64;
         prediction.dry_run = Some(DryRun { pulses, all: self.chosen.all, tries, error });

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::dry_run;
 use super::engines;
 use super::fault::BuildErrors;
+use super::mixed;
 use super::overheard::{self, Overheard, segment_apart};
 use super::prepared::Files;
 use super::relax;
@@ -16,6 +17,7 @@ use crate::fidelity::budget::Plan;
 use crate::motion::PlatformTracks;
 use crate::paths::PathGenerator;
 use crate::radar::clock::RunningClocks;
+use crate::radar::dechirp;
 use crate::scene::clock::Clocks;
 use crate::scene::{Scene, Sea};
 
@@ -61,8 +63,12 @@ pub(super) fn with_classes(
     clocks: &Clocks,
     files: &Files,
 ) -> Result<(PulseFactory, Vec<PulseFactory>), BuildErrors> {
-    let scene = files.laden(scene)?;
-    let waveform = Arc::clone(files.waveform(scene)?);
+    let recorded = files.laden(scene)?;
+    let waveform = Arc::clone(files.waveform(recorded)?);
+    // All but the receiver is that of the front end.
+    let front_end = dechirp::front_end(&recorded.radar, waveform.bandwidth_hz())
+        .map(|radar| Scene { radar, ..recorded.clone() });
+    let scene = front_end.as_ref().unwrap_or(recorded);
     let radar = &scene.radar;
     let drawn = |sea: &Sea| files.sea(sea, scene.seed).cloned();
     let others = overheard::emitting(scene, &tracks, &drawn)?;
@@ -88,12 +94,14 @@ pub(super) fn with_classes(
         let emitters = others.iter().map(Overheard::error).fold(0.0, f64::max);
         let plan = plan.map(|plan| Plan { prediction: Prediction { emitters, ..plan.prediction }, ..plan });
         let factory = PulseFactory::new((echo, plan), (scene, radar), generator.clone(), waveform.clone());
+        let factory = factory.with_dechirp((recorded, &recorded.radar), radar);
         Ok::<_, BuildErrors>(factory.with_clocks(clocks.clone()).with_others(others))
     };
     let Fidelity::Fast(asked) = fidelity else { return Ok((make(None)?, Vec::new())) };
     let coarser = relax_db.iter().map(|error_db| Asked { error_db: *error_db, ..*asked });
     let asked: Vec<Asked> = iter::once(*asked).chain(coarser).collect();
-    let mut plans = dry_run::plans(own, &generator, &waveform, &asked)?.into_iter().map(Some);
+    let mixed = mixed::share((scene, &recorded.radar), &generator, waveform.as_ref())?;
+    let mut plans = dry_run::plans(own, &generator, &waveform, mixed, &asked)?.into_iter().map(Some);
     let first = make(plans.next().flatten())?;
     let coarser = plans.map(make).collect::<Result<_, _>>()?;
     let coarser = relax::worth_having(&first, coarser);

@@ -10,6 +10,7 @@ use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::calibration::{GeneratorScratch, Generators};
 use crate::radar::clock::{ChannelClock, RunningClocks};
+use crate::radar::dechirp::{Dechirp, DechirpScratch};
 use crate::radar::receiver::{Receiver, ReceiverScratch};
 use std::sync::Arc;
 
@@ -17,9 +18,18 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub(crate) struct Reception {
     pub receiver: Receiver,
+    /// Between the front end's spectra and the receiver's; `None` where these are one.
+    pub dechirp: Option<Dechirp>,
     pub ships: ShipTracks,
     pub clocks: Option<Arc<RunningClocks>>,
     pub generators: Option<Generators>,
+}
+
+impl Reception {
+    /// Bins of the spectra of echoes.
+    pub fn echo_bins(&self) -> usize {
+        self.dechirp.as_ref().map_or(self.receiver.fft_len(), Dechirp::wide_len)
+    }
 }
 
 /// What an engine has at hand.
@@ -64,6 +74,7 @@ pub(crate) struct Kit<'f> {
     /// What is received besides.
     others: Vec<Box<dyn Listen + 'f>>,
     reception: &'f Reception,
+    mixer: Option<DechirpScratch>,
     /// Of the receiver, and the levels that it met.
     pub scratch: ReceiverScratch,
     clocks: Vec<ChannelClock>,
@@ -76,12 +87,13 @@ impl<'f> Kit<'f> {
         others: Vec<Box<dyn Listen + 'f>>,
         reception: &'f Reception,
     ) -> Self {
-        let Reception { receiver, generators, .. } = reception;
+        let Reception { receiver, generators, dechirp, .. } = reception;
         let channels = paths.channel_pairs().len();
         Self {
-            desk: Desk::new(paths, receiver.fft_len()),
+            desk: Desk::new(paths, reception.echo_bins()),
             others,
             reception,
+            mixer: dechirp.as_ref().map(Dechirp::scratch),
             scratch: receiver.scratch(),
             clocks: Vec::with_capacity(channels),
             generators: generators.as_ref().map_or_else(GeneratorScratch::default, |of| of.scratch(receiver)),
@@ -99,7 +111,7 @@ impl<'f> Kit<'f> {
     /// # Errors
     /// A track that ends early; what emitters are received by cannot be followed.
     pub fn receive(&mut self, pulse: &mut Pulse) -> Result<(), PulseError> {
-        let Self { desk, others, reception, scratch, clocks, generators } = self;
+        let Self { desk, others, reception, mixer, scratch, clocks, generators } = self;
         let Desk { paths, memory, spectrum } = desk;
         for other in others {
             other.add(pulse, spectrum, &mut memory.costs)?;
@@ -110,6 +122,13 @@ impl<'f> Kit<'f> {
             paths.record_nominal(pulse)?;
             running.channels(pulse.index, pulse.window_starts_s(), clocks);
         }
+        let spectrum = match (&reception.dechirp, mixer) {
+            (Some(dechirp), Some(mixer)) => {
+                dechirp.place(pulse);
+                dechirp.apply(spectrum, pulse, mixer)
+            }
+            _ => &mut spectrum[..],
+        };
         reception.receiver.receive_by(clocks, spectrum, pulse, scratch);
         if let Some(made) = &reception.generators {
             made.fill(&reception.receiver, pulse, generators, scratch);

@@ -21,6 +21,7 @@ pub mod factory;
 pub mod focus;
 pub mod fault;
 mod kit;
+mod mixed;
 #[doc(hidden)]
 pub mod live;
 #[doc(hidden)]

@@ -32,6 +32,7 @@ use crate::pulse::costs::Costs;
 use crate::pulse::{Layout, Pulse};
 use crate::radar::calibration::{CalibrationFault, Generators};
 use crate::radar::clock::RunningClocks;
+use crate::radar::dechirp::Dechirp;
 use crate::radar::fault::RadarError;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::Waveform;
@@ -117,7 +118,13 @@ impl PulseFactory {
             flown: OnceLock::new(),
             echo,
             others: Vec::new(),
-            reception: Reception { receiver, ships: ShipTracks::of(scene), clocks: None, generators: None },
+            reception: Reception {
+                receiver,
+                dechirp: None,
+                ships: ShipTracks::of(scene),
+                clocks: None,
+                generators: None,
+            },
             sample_rate_hz: radar.sample_rate_hz,
             waveform,
             layout: Layout { ships: scene.ships.len(), ..layout },
@@ -129,6 +136,18 @@ impl PulseFactory {
     pub(crate) fn with_clocks(self, clocks: Option<Arc<RunningClocks>>) -> Self {
         let layout = Layout { clocks: clocks.as_ref().map_or(0, |clocks| clocks.count()), ..self.layout };
         Self { layout, reception: Reception { clocks, ..self.reception }, ..self }
+    }
+
+    /// The same for a radar that dechirps what the front end takes by which it was made.
+    pub(crate) fn with_dechirp(self, (scene, radar): (&Scene, &Radar), front_end: &Radar) -> Self {
+        let waveform = Arc::clone(&self.waveform);
+        let Some(dechirp) = Dechirp::new(radar, front_end, self.echo.fft_len(), waveform) else {
+            return self;
+        };
+        let receiver = Receiver::new(radar, scene.seed, dechirp.fft_len(), radar.channels.len());
+        let layout = Layout { samples: radar.window.samples, ..self.layout };
+        let reception = Reception { receiver, dechirp: Some(dechirp), ..self.reception };
+        Self { reception, layout, sample_rate_hz: radar.sample_rate_hz, ..self }
     }
 
     /// The same with what is received of emitters.
@@ -164,7 +183,7 @@ impl PulseFactory {
 
     /// Bins of the spectrum of a channel, on which its noise is drawn.
     pub(crate) fn fft_len(&self) -> usize {
-        self.echo.fft_len()
+        self.reception.receiver.fft_len()
     }
 
     /// Whether pulses are blocks of continuous reception.
@@ -254,9 +273,15 @@ impl PulseFactory {
         Pulse::new(&self.layout)
     }
 
-    /// The transmitted pulse after the receive filter; see [`Receiver::replica`].
+    /// The transmitted pulse after the receive filter; see [`Receiver::replica`]. Of a radar that dechirps,
+    /// the tone of frequency 0 that the delay of its reference gives.
     pub fn replica(&self) -> Vec<Complex32> {
-        self.reception.receiver.replica(&*self.waveform)
+        if self.reception.dechirp.is_none() {
+            return self.reception.receiver.replica(&*self.waveform);
+        }
+        // What comes back with the delay of the reference.
+        let samples = self.waveform.span_samples(self.sample_rate_hz).min(self.layout.samples);
+        vec![Complex32::new(1.0, 0.0); samples]
     }
 
     /// Targets whose whole echo lies in the window of a pulse, in the best pair.
@@ -315,6 +340,7 @@ impl PulseFactory {
     pub fn scatterer_paths(&self, index: u64) -> Result<(Pulse, ScattererPaths), RadarError> {
         let (mut pulse, mut paths) = (self.slot(), full_list(self.generator()));
         self.generator().pulse(index, &mut self.generator().workspace(), &mut paths, &mut pulse)?;
+        self.reception.dechirp.iter().for_each(|dechirp| dechirp.place(&mut pulse));
         Ok((pulse, paths))
     }
 
@@ -330,7 +356,7 @@ impl PulseFactory {
 
     /// What makes pulses in one thread.
     pub fn worker(&self) -> Worker<'_> {
-        let fft_len = self.reception.receiver.fft_len();
+        let fft_len = self.reception.echo_bins();
         let others = self.others.iter().map(|other| other.listener(fft_len)).collect();
         let kit = Kit::new(self.generator(), others, &self.reception);
         Worker { factory: self, echo: self.echo.worker(self.generator()), kit }

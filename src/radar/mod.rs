@@ -3,6 +3,7 @@
 pub mod antenna;
 pub mod calibration;
 pub mod clock;
+pub mod dechirp;
 pub mod fault;
 pub mod filter;
 pub mod link;

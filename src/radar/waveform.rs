@@ -14,6 +14,9 @@
 //! | waveform | `p(t)` | limits |
 //! | --- | --- | --- |
 //! | [`Lfm`] | linear sweep, up or down, or `B = 0`: plain pulse | `B Tc <= 1e8` |
+//! | [`Triangular`] | linear sweep up and down again | `B Tc <= 2e8` |
+//! | [`Nlfm`] | nonlinear sweep, by a taper of its power spectrum | `4 <= B Tc <= 2e4` |
+//! | [`Coded`] | chips of equal length: phase codes, or one chip: a plain pulse | 65536 chips |
 //! | [`Sampled`] | samples from a file, band-limited to their rate | 131072 samples |
 //!
 //! ```
@@ -26,10 +29,14 @@
 //! # Ok::<(), nereus::radar::waveform::WaveformError>(())
 //! ```
 
+mod coded;
 mod fresnel;
 mod lfm;
+mod nlfm;
 mod offset;
 mod sampled;
+mod table;
+mod triangular;
 
 use std::fmt;
 use std::path::PathBuf;
@@ -40,9 +47,12 @@ use thiserror::Error;
 
 use crate::scene;
 
+pub use coded::Coded;
 pub use lfm::Lfm;
+pub use nlfm::{MAX_NONLINEAR, MIN_NONLINEAR, Nlfm, SIDELOBES_DB};
 pub(crate) use offset::Offset;
 pub use sampled::{MAX_SAMPLES, Sampled};
+pub use triangular::Triangular;
 
 /// Largest time-bandwidth product of a sweep: the spectrum is then still exact to 1e-7 of its peak.
 pub const MAX_TIME_BANDWIDTH: f64 = 1e8;
@@ -57,6 +67,11 @@ pub trait Waveform: Send + Sync {
 
     /// Swept or occupied bandwidth, Hz.
     fn bandwidth_hz(&self) -> f64;
+
+    /// Width of the side lobes of the spectrum far from the band, Hz: one over what is between two edges.
+    fn lobe_hz(&self) -> f64 {
+        self.duration_s().recip()
+    }
 
     /// `P(f)`, seconds, at any baseband frequency.
     fn spectrum(&self, f_hz: f64) -> Complex64;
@@ -89,6 +104,14 @@ pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn 
         scene::radar::Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
             Arc::new(Lfm::new(*bandwidth_hz, *duration_s, *sweep)?)
         }
+        scene::radar::Waveform::Triangular { bandwidth_hz, duration_s } => {
+            Arc::new(Triangular::new(*bandwidth_hz, *duration_s)?)
+        }
+        scene::radar::Waveform::Nlfm { bandwidth_hz, duration_s, sweep, taper } => {
+            Arc::new(Nlfm::new(*bandwidth_hz, *duration_s, *sweep, *taper)?)
+        }
+        scene::radar::Waveform::Cw { duration_s } => Arc::new(Coded::plain(*duration_s)?),
+        scene::radar::Waveform::PhaseCode { code, chip_s } => Arc::new(Coded::new(*code, *chip_s)?),
         scene::radar::Waveform::Samples { path, rate_hz } => Arc::new(Sampled::from_file(path, *rate_hz)?),
     })
 }
@@ -114,6 +137,40 @@ pub enum WaveformError {
     TimeBandwidth {
         /// What was asked.
         product: f64,
+    },
+    /// Bandwidth times length of a nonlinear sweep out of range.
+    #[error(
+        "time-bandwidth product {product} of a nonlinear sweep is not allowed: {MIN_NONLINEAR} to {MAX_NONLINEAR}"
+    )]
+    Nonlinear {
+        /// What was asked.
+        product: f64,
+    },
+    /// Side lobes of a taper out of range.
+    #[error(
+        "side lobes of {sidelobe_db} dB are not allowed: {} to {} dB below the peak",
+        SIDELOBES_DB[0],
+        SIDELOBES_DB[1]
+    )]
+    Sidelobe {
+        /// What was asked, dB.
+        sidelobe_db: f64,
+    },
+    /// Length of a chip out of range.
+    #[error("chip length {chip_s} s is not allowed: more than 0, finite")]
+    Chip {
+        /// What was asked.
+        chip_s: f64,
+    },
+    /// A code that does not exist.
+    #[error("a {code} code of {chips} chips does not exist: {allowed}")]
+    Code {
+        /// The code.
+        code: &'static str,
+        /// Chips that were asked.
+        chips: usize,
+        /// What is allowed.
+        allowed: &'static str,
     },
     /// Rate of the samples out of range.
     #[error("waveform sample rate {rate_hz} Hz is not allowed: more than 0, finite")]

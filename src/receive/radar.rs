@@ -385,6 +385,8 @@ impl Radar {
                 _ => Some(signal.window.look(platforms)?),
             },
             continuous: signal.window.kind == 0 && signal.window.platform == 1,
+            // The wire does not say.
+            dechirp_s: None,
             middle_m: signal.middle_m,
             emitters: emitters.collect::<Option<_>>()?,
             antennas,

@@ -424,6 +424,12 @@ impl Header {
         .find_map(|(field, same)| (!same).then_some(field))
     }
 
+    /// Whether echoes are dechirped: a sample then belongs to a time within the sweep, and a beat frequency
+    /// to a delay.
+    pub fn is_dechirped(&self) -> bool {
+        self.instrument.as_ref().is_some_and(|instrument| instrument.dechirp_s.is_some())
+    }
+
     /// Error of each class of pulses, dB; empty where there is one class.
     pub fn error_classes_db(&self) -> &[f64] {
         self.instrument.as_ref().map_or(&[], |instrument| &instrument.error_classes_db)

@@ -41,6 +41,9 @@ pub struct Instrument {
     pub continuous: bool,
     /// Middle of the scene, East and North, m: of an image where nothing looks anywhere.
     pub middle_m: [f64; 2],
+    /// Delay of the reference by which echoes are dechirped, s; `None` where they are not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dechirp_s: Option<f64>,
     /// Antennas: transmitters, then receivers.
     pub antennas: Vec<AntennaRow>,
     /// What radiates besides; recordings without any do not mention it.
@@ -55,7 +58,7 @@ pub struct Instrument {
 /// The transmitted baseband pulse, apart from its bandwidth and length.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WaveformRow {
-    /// `lfm` or `samples`.
+    /// `lfm`, `triangular`, `nlfm`, `cw`, `phase-code` or `samples`.
     pub kind: String,
     /// Rate of a linear sweep, Hz/s, negative when it falls.
     pub sweep_hz_per_s: Option<f64>,
@@ -277,14 +280,15 @@ const ISOTROPIC: &str = "isotropic";
 
 impl WaveformRow {
     fn of(waveform: &Waveform) -> Self {
-        let (kind, sweep_hz_per_s, rate_hz) = match waveform {
+        let (sweep_hz_per_s, rate_hz) = match waveform {
             Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
                 let sign = if *sweep == Sweep::Up { 1.0 } else { -1.0 };
-                ("lfm", Some(sign * bandwidth_hz / duration_s), None)
+                (Some(sign * bandwidth_hz / duration_s), None)
             }
-            Waveform::Samples { rate_hz, .. } => ("samples", None, Some(*rate_hz)),
+            Waveform::Samples { rate_hz, .. } => (None, Some(*rate_hz)),
+            _ => (None, None),
         };
-        Self { kind: kind.to_owned(), sweep_hz_per_s, rate_hz }
+        Self { kind: waveform.kind().to_owned(), sweep_hz_per_s, rate_hz }
     }
 }
 
@@ -375,6 +379,7 @@ impl Instrument {
                 Gate::Fixed { .. } => None,
             },
             continuous: radar.sent.is_some(),
+            dechirp_s: radar.dechirp.map(|dechirp| dechirp.delay_s),
             middle_m: [0, 1].map(middle),
             antennas: (radar.transmitters.iter().map(row))
                 .chain(radar.receivers.iter().map(|end| AntennaRow::of_receiver(end, platforms)))

@@ -102,6 +102,15 @@ pub fn write(
             ("waveform", Attribute::Text("samples")),
             ("waveform_rate_hz", Attribute::Real(*rate_hz)),
         ]),
+        other => {
+            attributes.push(("waveform", Attribute::Text(other.kind())));
+            attributes.extend(other.bandwidth_hz().map(|hz| ("bandwidth_hz", Attribute::Real(hz))));
+            attributes.extend(other.duration_s().map(|s| ("pulse_s", Attribute::Real(s))));
+            if let Waveform::PhaseCode { code, .. } = other {
+                attributes.push(("code", Attribute::Text(code.name())));
+                attributes.push(("chips", Attribute::Whole(code.chips() as u64)));
+            }
+        }
     }
     PathFile { attributes: &attributes, pairs: &pairs, channels: &channels, channel_pairs, paths }.write(path)
 }

@@ -1,10 +1,14 @@
 //! The instrument, as described: transmitters, receivers, channels, waveform, windows.
 
+mod waveform;
+
 use std::path::PathBuf;
 
 use crate::frames::{Body, Enu, Point, Vector};
 use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
+
+pub use waveform::{Code, Dechirp, Sweep, Taper, Waveform};
 
 /// The radar: every emission and every receive window of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +19,8 @@ pub struct Radar {
     pub sample_rate_hz: f64,
     /// What is radiated.
     pub waveform: Waveform,
+    /// Dechirp on reception; `None` for none.
+    pub dechirp: Option<Dechirp>,
     /// When pulses leave, relative to pulse 0; of continuous reception when its blocks begin.
     pub emissions: PulseTimes,
     /// Of continuous reception, when pulses leave. What is a pulse elsewhere then is a block of samples: one
@@ -62,6 +68,7 @@ impl Radar {
             carrier_hz,
             sample_rate_hz,
             waveform,
+            dechirp: None,
             emissions,
             sent: None,
             tx_polarisation: TxPolarisation::Simultaneous,
@@ -193,38 +200,6 @@ pub struct Pair {
     pub transmitter: usize,
     /// Index of the receiver.
     pub receiver: usize,
-}
-
-/// The transmitted baseband pulse, unit amplitude.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Waveform {
-    /// Linear frequency modulation, `exp(j pi mu (t - Tc/2)^2)`, `mu = +-B/Tc`.
-    Lfm {
-        /// Swept bandwidth B, Hz.
-        bandwidth_hz: f64,
-        /// Pulse length Tc, s.
-        duration_s: f64,
-        /// Direction of the sweep.
-        sweep: Sweep,
-    },
-    /// Complex baseband samples from a file (CSV `re,im`), at `rate_hz`.
-    Samples {
-        /// The file.
-        path: PathBuf,
-        /// Rate of the samples, Hz.
-        rate_hz: f64,
-    },
-}
-
-/// Direction of a linear sweep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Sweep {
-    /// Frequency rises.
-    Up,
-    /// Frequency falls.
-    Down,
 }
 
 /// Polarisation of an antenna port.

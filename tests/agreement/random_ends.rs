@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use rand::Rng;
 
 use super::random_scene::{Draw, Flight, Geometry, Signal, line};
+use super::random_waveforms::waveform;
 
 const LOOKS: &str = "antenna = { kind = \"isotropic\", gain_dbi = 12.0 }\npointing = { kind = \"at\", position_m = [0.0, 0.0, 0.0] }";
 
@@ -21,7 +22,11 @@ fn platform(name: &str, flight: Flight, out: &mut String) {
 }
 
 /// Now and then one or two emitters, seldom or often heard, near the carrier or on it, weak or strong.
-pub(super) fn emitters(draw: &mut Draw, (geometry, signal): (&Geometry, &Signal), out: &mut String) {
+pub(super) fn emitters(
+    [draw, kinds]: [&mut Draw; 2],
+    (geometry, signal): (&Geometry, &Signal),
+    out: &mut String,
+) {
     if !draw.chance(0.2) {
         return;
     }
@@ -37,9 +42,12 @@ pub(super) fn emitters(draw: &mut Draw, (geometry, signal): (&Geometry, &Signal)
             "[[emitter]]\nname = \"c{n}\"\nplatform = \"e{n}\"\npower_w = {:?}\ncarrier_hz = {carrier_hz:?}\n{LOOKS}",
             draw.log(1e-4, 10.0)
         );
+        let sweep = format!("bandwidth_hz = {bandwidth_hz:?}, pulse_s = {pulse_s:?}");
+        let radiated = waveform(kinds, sweep, bandwidth_hz, pulse_s);
         line!(
             out,
-            "waveform = {{ kind = \"lfm\", bandwidth_hz = {bandwidth_hz:?}, pulse_s = {pulse_s:?} }}\npolarisation = \"{}\"\ndirect_path = {}",
+            "waveform = {{ {} }}\npolarisation = \"{}\"\ndirect_path = {}",
+            radiated.join(", "),
             draw.one(&["H", "V", "R", "L"]),
             draw.chance(0.7)
         );

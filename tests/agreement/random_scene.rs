@@ -12,6 +12,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::random_ends::{emitters, more_ends};
+use super::random_waveforms::{dechirp, waveform};
 
 const LIGHT_MPS: f64 = 299_792_458.0;
 /// Keeps draws of slow time apart from those of the rest.
@@ -24,6 +25,8 @@ const OVERLAP: u64 = 0x0E1A;
 const ENDS: u64 = 0xE4D5;
 /// And those of emitters beside.
 const EMITTERS: u64 = 0x0E17;
+/// And those of kinds of waveforms.
+const WAVEFORMS: u64 = 0x3A7E;
 /// And those of errors between blocks and exact pulses.
 const FINE: u64 = 0xF1E;
 /// The same of coarse errors, and of narrow beams.
@@ -170,10 +173,10 @@ pub(super) struct Geometry {
 
 /// Waveform and receive window.
 pub(super) struct Signal {
-    bandwidth_hz: f64,
+    pub(super) bandwidth_hz: f64,
     pub(super) rate_hz: f64,
-    pulse_s: f64,
-    opens_s: f64,
+    pub(super) pulse_s: f64,
+    pub(super) opens_s: f64,
     pub(super) samples: u64,
 }
 
@@ -203,6 +206,8 @@ pub fn random_scene(seed: u64) -> RandomScene {
     let mut geometry = Geometry::drawn(&mut draw, extremes);
     let mut signal = Signal::drawn(&mut draw, &geometry);
     overlap(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ OVERLAP)), &mut geometry, &mut signal);
+    let mut kinds = Draw(ChaCha8Rng::seed_from_u64(seed ^ WAVEFORMS));
+    let dechirp = dechirp(&mut kinds, &geometry, &mut signal);
     let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
     let mut fine = Draw(ChaCha8Rng::seed_from_u64(seed ^ FINE));
     let asked_db = if fine.chance(0.08) { fine.one(&[-90.0, -95.0]) } else { asked_db };
@@ -217,13 +222,14 @@ pub fn random_scene(seed: u64) -> RandomScene {
         [SLOW_TIME, SPECKLE].map(|salt| Draw(ChaCha8Rng::seed_from_u64(seed ^ salt)));
     sea(&mut draw, [&mut slow, &mut speckle], extremes, &mut text);
     on_the_sea(&mut draw, &geometry, &mut text);
-    radar(&mut draw, &mut slow, (&geometry, &signal), &mut text);
+    radar(&mut draw, [&mut slow, &mut kinds], (&geometry, &signal, dechirp), &mut text);
     platforms(&mut draw, &geometry, &mut text);
     let mut narrow = Draw(ChaCha8Rng::seed_from_u64(seed ^ NARROW));
     let times = if narrow.chance(0.2) { narrow.log(0.05, 0.5) } else { 1.0 };
     antennas(&mut draw, &geometry, times, &mut text);
     more_ends(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ ENDS)), (&geometry, &signal), &mut text);
-    emitters(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ EMITTERS)), (&geometry, &signal), &mut text);
+    let mut beside = Draw(ChaCha8Rng::seed_from_u64(seed ^ EMITTERS));
+    emitters([&mut beside, &mut kinds], (&geometry, &signal), &mut text);
     line!(text, "[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
     line!(text, "[stream]\npace = \"fast\"\nthreads = 1");
     RandomScene { family, asked_db, text }
@@ -435,7 +441,12 @@ fn rhythm(draw: &mut Draw, prf_hz: f64, out: &mut String) {
     }
 }
 
-fn radar(draw: &mut Draw, slow: &mut Draw, (geometry, signal): (&Geometry, &Signal), out: &mut String) {
+fn radar(
+    draw: &mut Draw,
+    [slow, kinds]: [&mut Draw; 2],
+    (geometry, signal, dechirp): (&Geometry, &Signal, Option<f64>),
+    out: &mut String,
+) {
     let Geometry { carrier_hz, prf_hz, bistatic, .. } = geometry;
     let Signal { bandwidth_hz, rate_hz, pulse_s, opens_s, samples } = signal;
     line!(out, "[radar]\ncarrier_hz = {carrier_hz:?}\nsample_rate_hz = {rate_hz:?}");
@@ -462,10 +473,13 @@ fn radar(draw: &mut Draw, slow: &mut Draw, (geometry, signal): (&Geometry, &Sign
         line!(out, "rain_mmph = {rain_mmph:?}\nrain_clutter = true\nrain_top_m = {top_m:?}");
     }
     let sweep = draw.one(&["up", "down"]);
-    line!(
-        out,
-        "[radar.waveform]\nkind = \"lfm\"\nbandwidth_hz = {bandwidth_hz:?}\npulse_s = {pulse_s:?}\nsweep = \"{sweep}\""
-    );
+    let sweep = format!("bandwidth_hz = {bandwidth_hz:?}\npulse_s = {pulse_s:?}\nsweep = \"{sweep}\"");
+    let keys = match dechirp {
+        Some(_) => vec!["kind = \"lfm\"".to_owned(), sweep],
+        None => waveform(kinds, sweep, *bandwidth_hz, *pulse_s),
+    };
+    line!(out, "[radar.waveform]\n{}", keys.join("\n"));
+    dechirp.iter().for_each(|delay_s| line!(out, "[radar.dechirp]\ndelay_us = {:?}", 1e6 * delay_s));
     line!(out, "[radar.window]\nsamples = {samples}\nstart_us = {:?}", 1e6 * opens_s);
 }
 

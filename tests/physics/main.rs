@@ -61,4 +61,6 @@ mod wake_short;
 mod wake_short_nodes;
 mod wake_turbulent;
 mod wake_kochin;
+mod waveform_codes;
+mod waveform_nlfm;
 mod waveform_spectrum;

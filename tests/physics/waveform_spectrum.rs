@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::io::Write;
 
-use nereus::radar::waveform::{Lfm, Sampled, Waveform, WaveformError, from_description};
+use nereus::radar::waveform::{Lfm, Sampled, Triangular, Waveform, WaveformError, from_description};
 use nereus::scene;
 use nereus::scene::radar::Sweep;
 use num_complex::Complex64;
@@ -97,6 +97,27 @@ fn lfm_samples_are_the_pulse() {
     let x: f64 = 0.1e-6 - 0.1665e-6;
     let expected = Complex64::cis(-PI * (60e6 / 0.333e-6) * x * x);
     assert!((pulse.sample(0.1e-6) - expected).norm() < 1e-13);
+}
+
+/// Up and down again: against the integral of its samples, whose phase and frequency do not jump.
+#[test]
+fn a_triangular_sweep_is_the_integral_of_its_samples() {
+    for b in [0.0, 3.0, 40.0, 1000.0] {
+        let pulse = Triangular::new(b, 1.0).unwrap();
+        assert_eq!((pulse.duration_s(), pulse.bandwidth_hz(), pulse.sweep_rate_hz_per_s()), (1.0, b, None));
+        for v in [0.0, 0.3, -7.7, 0.25 * b, -0.49 * b, 0.5 * b, 0.8 * b, -2.1 * b] {
+            let panels = 2 * (16 + (4.0 * (b + f64::abs(v))) as usize);
+            let expected =
+                unit_interval(panels, |y| pulse.sample(y) * Complex64::cis(-TAU * (v * y).fract()));
+            let error = (pulse.spectrum(v) - expected).norm() * b.max(1.0).sqrt();
+            assert!(error < 1e-10, "{b}, {v}: {error}");
+        }
+        let turn = |t: f64| (pulse.sample(t + 1e-6) * pulse.sample(t - 1e-6).conj()).arg() / TAU / 2e-6;
+        for (t, frequency) in [(1e-3, -0.498 * b), (0.25, 0.0), (0.5, 0.5 * b), (0.75, 0.0), (0.9, -0.3 * b)]
+        {
+            assert!((turn(t) - frequency).abs() < 1e-5 * b.max(1.0), "{b}, {t}: {}", turn(t));
+        }
+    }
 }
 
 #[test]

@@ -100,6 +100,7 @@ pub fn instrument() -> Instrument {
                 window: None,
             },
         ],
+        dechirp_s: None,
         emitters: Vec::new(),
         error_classes_db: vec![-60.0, -45.5, -30.0],
     }

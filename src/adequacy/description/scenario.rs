@@ -6,7 +6,9 @@ use crate::frames::Earth;
 use crate::inputs::shown;
 use crate::motion::PlatformNav;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, TrackSource, VerticalDatum};
-use crate::scene::radar::{AimFrom, Gate, Sweep, TxPolarisation, Waveform};
+use crate::radar::dechirp::factor;
+use crate::radar::filter::ReceiveFilter;
+use crate::scene::radar::{AimFrom, Dechirp, Gate, Sweep, Taper, TxPolarisation, Waveform};
 use crate::scene::{Emitter, Radar};
 use crate::sinks::Kind;
 use crate::sinks::zmq::Messages;
@@ -99,9 +101,26 @@ pub fn rows(run: &Run) -> Vec<Described> {
         described("release", pace),
         described("sinks", sinks(run).join("; ")),
     ];
+    if let (Some(Dechirp { delay_s }), Some(bandwidth_hz)) = (radar.dechirp, radar.waveform.bandwidth_hz()) {
+        rows.push(described("dechirp", dechirp_text(radar, delay_s, bandwidth_hz)));
+    }
     let emitters = radar.emitters.iter().map(|emitter| described("emitter", emitter_text(emitter, radar)));
     rows.extend(emitters);
     rows
+}
+
+fn dechirp_text(radar: &Radar, delay_s: f64, bandwidth_hz: f64) -> String {
+    let halves = if matches!(radar.waveform, Waveform::Triangular { .. }) { 2.0 } else { 1.0 };
+    let rate_hz_s = halves * bandwidth_hz / radar.waveform.duration_s().unwrap_or(f64::INFINITY);
+    let [flat_hz, _] = ReceiveFilter::new(radar.sample_rate_hz).edges_hz();
+    let wide_hz = factor(bandwidth_hz, radar.sample_rate_hz) as f64 * radar.sample_rate_hz;
+    format!(
+        "reference delayed by {} us, beats of {} kHz/us, delays within {:.3} us of it unattenuated; front end of {} MHz",
+        neat(delay_s * 1e6),
+        neat(rate_hz_s / 1e9),
+        1e6 * flat_hz / rate_hz_s,
+        neat(wide_hz / 1e6)
+    )
 }
 
 fn waveform_text(waveform: &Waveform) -> String {
@@ -113,6 +132,25 @@ fn waveform_text(waveform: &Waveform) -> String {
             neat(duration_s * 1e6),
             bandwidth_hz * duration_s
         ),
+        Waveform::Triangular { bandwidth_hz, duration_s } => format!(
+            "linear FM up and down, {} MHz in {} us",
+            neat(bandwidth_hz / 1e6),
+            neat(duration_s * 1e6)
+        ),
+        Waveform::Nlfm { bandwidth_hz, duration_s, sweep, taper } => format!(
+            "nonlinear FM {}, {} MHz in {} us, {}",
+            if *sweep == Sweep::Up { "up" } else { "down" },
+            neat(bandwidth_hz / 1e6),
+            neat(duration_s * 1e6),
+            match taper {
+                Taper::Taylor { sidelobe_db } => format!("Taylor taper of -{} dB", neat(*sidelobe_db)),
+                _ => "Hamming taper".to_owned(),
+            }
+        ),
+        Waveform::Cw { duration_s } => format!("plain pulse of {} us", neat(duration_s * 1e6)),
+        Waveform::PhaseCode { code, chip_s } => {
+            format!("{} code, {} chips of {} us", code.name(), code.chips(), neat(chip_s * 1e6))
+        }
         Waveform::Samples { path, rate_hz } => {
             format!("samples of {} at {} MHz", shown(path), neat(rate_hz / 1e6))
         }

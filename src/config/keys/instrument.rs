@@ -5,10 +5,11 @@ use super::*;
 tables! {
     radar "[radar]" "The instrument." {
         CARRIER_HZ "carrier_hz", number("Hz", 1e6, 1e12), Required, "Carrier frequency.";
-        SAMPLE_RATE_HZ "sample_rate_hz", number("Hz", 1e3, 1e11), Required, "Complex sample rate; not below the bandwidth.";
+        SAMPLE_RATE_HZ "sample_rate_hz", number("Hz", 1e3, 1e11), Required, "Complex sample rate; not below the bandwidth, unless there is a dechirp.";
         PRF_HZ "prf_hz", number("Hz", 0.001, 1e9), Means("pri_us is given"), "Pulse repetition frequency. Exactly one of prf_hz and pri_us. A pulse ends before the next one begins.";
         PRI_US "pri_us", Kind::Numbers { unit: "us", least: 1, most: MOST_PRI, min: 1e-3, max: 1e9 }, Means("prf_hz is given"), "Pulse repetition intervals, repeated in turn.";
         WAVEFORM "waveform", Section(&waveform::TABLE), Required, "What is radiated.";
+        DECHIRP "dechirp", Section(&dechirp::TABLE), Means("none"), "Dechirp on reception: FMCW and stretch processing.";
         WINDOW "window", Section(&window::TABLE), Required, "When samples are taken.";
         TX_POLARISATION "tx_polarisation", Choice(words::<TxKind>), Word("simultaneous"), "Whether all transmit polarisations leave with every pulse (each with power_w, separated without leakage), or one after the other.";
         TX_SEQUENCE "tx_sequence", Words { least: 1, most: 256, entry: "H, V, R or L" }, Means("the transmit polarisations of the channels, in order of first use"), "Alternating: transmit polarisation of pulse 0, 1, ..., repeated.";
@@ -26,15 +27,24 @@ tables! {
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
     }
     waveform "[radar.waveform] and [emitter.waveform]" "What is radiated, at unit amplitude." {
-        KIND "kind", Choice(words::<WaveformKind>), Required, "Linear frequency modulation, or samples from a file.";
-        BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm: swept bandwidth.";
-        PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm: pulse length.";
-        SWEEP "sweep", Choice(words::<Sweep>), Word("up"), "lfm: direction of the sweep.";
+        KIND "kind", Choice(words::<WaveformKind>), Required, "Linear or nonlinear frequency modulation, a plain pulse of the carrier, a phase code, or samples from a file (docs/waveforms.md).";
+        BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm, nlfm: swept bandwidth.";
+        PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm, nlfm, cw: pulse length.";
+        SWEEP "sweep", Choice(words::<SweepKind>), Word("up"), "lfm, nlfm: direction of the sweep; lfm alone: triangular, up in the first half of the pulse and down in the second.";
+        TAPER "taper", Choice(words::<TaperKind>), Word("taylor"), "nlfm: what the power spectrum is over the band; pulse_s times bandwidth_hz is 4 to 20000.";
+        SIDELOBE_DB "sidelobe_db", number("dB", 20.0, 60.0), default(35.0), "nlfm with taper = \"taylor\": side lobes below the peak of the compressed pulse.";
+        CODE "code", Choice(words::<CodeKind>), Required, "phase-code: the code.";
+        CHIPS "chips", count(2, 65536), Required, "phase-code, all but m-sequence: chips; of Barker 2, 3, 4, 5, 7, 11 or 13, of Frank a square.";
+        REGISTER "register", count(2, 16), Required, "phase-code with code = \"m-sequence\": stages n of the shift register, for 2^n - 1 chips.";
+        CHIP_S "chip_s", above("s", 0.0, 1.0), Required, "phase-code: length of a chip; one over it is the bandwidth, at most the sample rate. The pulse lasts for all chips.";
         PATH "path", File, Required, "file: CSV lines re,im without a header.";
         RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
     }
+    dechirp "[radar.dechirp]" "What is received is multiplied by the conjugate of the waveform, filtered and sampled: an echo becomes a tone (docs/fmcw.md). Needs waveform.kind = \"lfm\", whose bandwidth may then exceed the sample rate." {
+        DELAY_US "delay_us", number("us", 0.0, 1e7), Required, "Delay of the reference after the emission, of the length of the pulse: an echo of this delay has the beat frequency 0, one that comes later a negative one where the sweep rises.";
+    }
     window "[radar.window]" "The receive window of every receiver without one of its own. Exactly one of start_us and follow; neither with gate = \"continuous\"." {
-        SAMPLES "samples", count(1, 1 << 24), Required, "Complex samples per channel, of all receivers; windowed: not shorter than the pulse. Continuous: samples of a block.";
+        SAMPLES "samples", count(1, 1 << 24), Required, "Complex samples per channel, of all receivers; windowed without dechirp: not shorter than the pulse. Continuous: samples of a block.";
         GATE "gate", Choice(words::<GateKind>), Word("windowed"), "Whether receivers take a window after every pulse, or all that comes from the first pulse on, in blocks without a gap (docs/continuous.md).";
         START_US "start_us", number("us", 0.0, 1e7), Means("follow is given"), "Start after the emission, not rounded to the sample grid. May exceed the pulse interval.";
         FOLLOW "follow", Section(&follow::TABLE), Means("start_us is given"), "A window that follows the echo of an aim point.";

@@ -249,6 +249,7 @@ pub static TABLES: &[&Table] = &[
     &patch_follow::TABLE,
     &radar::TABLE,
     &waveform::TABLE,
+    &dechirp::TABLE,
     &window::TABLE,
     &follow::TABLE,
     &adc::TABLE,
@@ -373,7 +374,7 @@ impl Absent {
 }
 
 /// A number as one would write it in a scenario.
-pub(super) fn figure(value: f64) -> String {
+pub(in crate::config) fn figure(value: f64) -> String {
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { format!("{value}") }
 }

@@ -56,8 +56,8 @@ fn emitter(
     let bands = (carrier_hz.zip(of_radar_hz), waveform.as_ref().zip(sample_rate_hz));
     if let (Some((own_hz, radar_hz)), Some((waveform, sample_rate_hz))) = bands {
         let bandwidth_hz = match waveform {
-            Waveform::Lfm { bandwidth_hz, .. } => *bandwidth_hz,
             Waveform::Samples { rate_hz, .. } => *rate_hz,
+            other => other.bandwidth_hz().unwrap_or(0.0),
         };
         let (begins_hz, half_hz) = ((own_hz - radar_hz).abs() - 0.5 * bandwidth_hz, 0.5 * sample_rate_hz);
         if begins_hz >= half_hz {

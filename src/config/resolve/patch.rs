@@ -41,8 +41,10 @@ pub(super) fn longest_facet_m(root: &Section<'_>, azimuth_m: f64) -> Option<f64>
     use crate::sea::GRAVITY_MPS2;
     use crate::sea::spectrum::sampling::{FACETS_PER_PEAK_WAVE, longest_facet_m};
     let of_radar = |radar: Section<'_>| {
-        let own_hz = radar.peek_in(&keys::radar::WAVEFORM, &keys::waveform::BANDWIDTH_HZ);
-        own_hz.or_else(|| radar.peek(&keys::radar::SAMPLE_RATE_HZ))
+        let of_waveform = |key| radar.peek_in(&keys::radar::WAVEFORM, key);
+        let own_hz = of_waveform(&keys::waveform::BANDWIDTH_HZ);
+        let chip_hz = || of_waveform(&keys::waveform::CHIP_S).map(f64::recip);
+        own_hz.or_else(chip_hz).or_else(|| radar.peek(&keys::radar::SAMPLE_RATE_HZ))
     };
     let bandwidth_hz = root.within(&keys::root::RADAR).and_then(of_radar)?;
     let of_sea = |sea: Section<'_>| sea.peek_choice_in(&keys::sea::SCATTERING, &keys::scattering::SPECKLE);

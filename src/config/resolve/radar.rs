@@ -15,13 +15,17 @@ use crate::config::section::Section;
 use crate::radar::rain::{CARRIERS_HZ, RAYLEIGH_TO_HZ};
 use crate::scene::calibration::Calibration;
 use crate::scene::radar::{
-    Adc, Channel, Gate, Polarisation, Radar, RainClutter, Receiver, Transmitter, TxPolarisation, Waveform,
-    Window,
+    Adc, Channel, Dechirp, Gate, Polarisation, Radar, RainClutter, Receiver, Transmitter, TxPolarisation,
+    Waveform, Window,
 };
 use crate::time::PulseTimes;
 
 /// Most bytes of one pulse.
 const LARGEST_PULSE: u128 = 1 << 24;
+/// Rate of a front end before a dechirp over the bandwidth, and most samples of it.
+const LEAST_WIDER: f64 = 1.5;
+const MOST_WIDER: f64 = 1.7;
+const LARGEST_FRONT_END: f64 = 4e6;
 
 /// `[radar]`, `[[transmitter]]`, `[[receiver]]`; their clocks go to `clocks`.
 pub(super) fn radar(
@@ -56,17 +60,21 @@ pub(super) fn radar(
     let carrier_hz = section.number(&k::CARRIER_HZ);
     let sample_rate_hz = section.number(&k::SAMPLE_RATE_HZ);
     let emissions = emissions(&section, [&k::PRF_HZ, &k::PRI_US]);
-    let waveform = section.section(&k::WAVEFORM).and_then(|s| waveform(s, sample_rate_hz));
-    let pulse_s = match &waveform {
-        Some(Waveform::Lfm { duration_s, .. }) => Some(*duration_s),
-        _ => None,
-    };
+    let dechirped = section.has(&k::DECHIRP);
+    let widest_hz = sample_rate_hz.filter(|_| !dechirped);
+    let waveform = section.section(&k::WAVEFORM).and_then(|s| waveform(s, widest_hz));
+    let pulse_s = waveform.as_ref().and_then(Waveform::duration_s);
+    // What a front end takes, if there is one.
+    let wide_hz = waveform.as_ref().and_then(Waveform::bandwidth_hz).filter(|_| dechirped);
+    let taken_hz = wide_hz.map(|hz| LEAST_WIDER * hz).into_iter().chain(sample_rate_hz).reduce(f64::max);
+    let dechirp = section.section(&k::DECHIRP).and_then(dechirp);
+    let shortest_s = pulse_s.filter(|_| !dechirped);
     let window =
-        section.section(&k::WINDOW).and_then(|s| window(s, sample_rate_hz, pulse_s, ground, platforms));
+        section.section(&k::WINDOW).and_then(|s| window(s, sample_rate_hz, shortest_s, ground, platforms));
     let (window, continuous) = window.unzip();
     let continuous = continuous.unwrap_or(false);
     let known = emitter::Known { transmitters: &transmitter_names, receivers: &receiver_names, platforms };
-    let emitters = emitter::emitters(root, ground, &known, (carrier_hz, sample_rate_hz));
+    let emitters = emitter::emitters(root, ground, &known, (carrier_hz, taken_hz));
     let antennas = Antennas { transmitters: &transmitter_names, receivers: &receiver_names, hears: &hears };
     let channels = channels(&section, &antennas);
     let tx_polarisation = tx_polarisation(&section, channels.as_deref());
@@ -102,13 +110,29 @@ pub(super) fn radar(
     if continuous {
         let own_windows = receivers.iter().flatten().any(|receiver| receiver.gate.is_some());
         let known = calibration.as_ref().is_some_and(|list| !list.is_empty());
-        refuse_beside_continuous(
+        refuse_beside(
             &section,
-            [
+            (&k::WINDOW, "gate = \"continuous\"", "gate = \"windowed\""),
+            &[
                 (own_windows, "[receiver.window]"),
                 (clocks.has_any(), "clock errors of antennas"),
                 (known, "[[radar.calibration]]"),
                 (matches!(rain_clutter, Some(Some(_))), "rain_clutter"),
+            ],
+        );
+    }
+    if dechirped {
+        if let (Some(waveform), Some(rate_hz), Some(window)) = (&waveform, sample_rate_hz, &window) {
+            check_dechirp(&section, waveform, rate_hz, window.samples);
+        }
+        let known = calibration.as_ref().is_some_and(|list| !list.is_empty());
+        refuse_beside(
+            &section,
+            (&k::DECHIRP, "dechirp", "no dechirp"),
+            &[
+                (continuous, "gate = \"continuous\""),
+                (clocks.has_any(), "clock errors of antennas"),
+                (known, "[[radar.calibration]]"),
             ],
         );
     }
@@ -137,6 +161,7 @@ pub(super) fn radar(
         carrier_hz: carrier_hz?,
         sample_rate_hz,
         waveform: waveform?,
+        dechirp: if dechirped { Some(dechirp?) } else { None },
         emissions: emissions?,
         sent,
         tx_polarisation: tx_polarisation?,
@@ -155,13 +180,43 @@ pub(super) fn radar(
     })
 }
 
-/// Faults what cannot be received in blocks without a gap.
-fn refuse_beside_continuous(section: &Section<'_>, given: [(bool, &str); 4]) {
-    for (_, what) in given.into_iter().filter(|(given, _)| *given) {
-        let (found, allowed) =
-            (format!("gate = \"continuous\" beside {what}"), format!("gate = \"windowed\", or no {what}"));
-        section.fault(&keys::radar::WINDOW, Problem::Type { found, allowed });
+/// Faults what cannot be received beside a key: that, what it says, and what it should say instead.
+fn refuse_beside(
+    section: &Section<'_>,
+    (key, says, instead): (&'static Key, &str, &str),
+    given: &[(bool, &str)],
+) {
+    for (_, what) in given.iter().filter(|(given, _)| *given) {
+        let (found, allowed) = (format!("{says} beside {what}"), format!("{instead}, or no {what}"));
+        section.fault(key, Problem::Type { found, allowed });
     }
+}
+
+/// Faults what cannot be dechirped: another waveform than a linear sweep, or more samples of the front end
+/// than a transform may have.
+fn check_dechirp(section: &Section<'_>, waveform: &Waveform, sample_rate_hz: f64, samples: usize) {
+    let (Waveform::Lfm { bandwidth_hz, duration_s, .. } | Waveform::Triangular { bandwidth_hz, duration_s }) =
+        waveform
+    else {
+        let found = format!("dechirp of waveform.kind = \"{}\"", waveform.kind());
+        let allowed = "waveform.kind = \"lfm\"".to_owned();
+        return section.fault(&keys::radar::DECHIRP, Problem::Type { found, allowed });
+    };
+    let rate_hz = MOST_WIDER * bandwidth_hz + 4.0 * sample_rate_hz;
+    let wide = rate_hz * (duration_s + samples as f64 / sample_rate_hz);
+    if wide > LARGEST_FRONT_END {
+        let found =
+            format!("a pulse and a window of {} samples at the rate of the bandwidth", keys::figure(wide));
+        let allowed =
+            format!("up to {}: less bandwidth, a shorter pulse or window", keys::figure(LARGEST_FRONT_END));
+        section.fault(&keys::radar::DECHIRP, Problem::Type { found, allowed });
+    }
+}
+
+fn dechirp(section: Section<'_>) -> Option<Dechirp> {
+    let delay_us = section.number(&keys::dechirp::DELAY_US);
+    section.finish();
+    Some(Dechirp { delay_s: delay_us? / 1e6 })
 }
 
 /// The echo of rain: `Some(None)` where none is asked for.

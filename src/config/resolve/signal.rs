@@ -1,11 +1,16 @@
 //! Trains of pulses and waveforms, of the radar and of emitters.
 
-use crate::config::choices::WaveformKind;
+use crate::config::choices::{Choice, CodeKind, SweepKind, TaperKind, WaveformKind};
 use crate::config::error::Problem;
-use crate::config::keys::Key;
+use crate::config::keys::{Key, figure};
 use crate::config::section::Section;
-use crate::scene::radar::Waveform;
+use crate::scene::radar::{Code, Sweep, Taper, Waveform};
 use crate::time::PulseTimes;
+
+/// Bandwidth times length of nonlinear sweeps: the least, and the most.
+const PRODUCTS: [f64; 2] = [4.0, 20_000.0];
+/// Chips of Barker codes.
+const BARKER: [usize; 7] = [2, 3, 4, 5, 7, 11, 13];
 
 /// A train, by one of the keys.
 pub(super) fn emissions(section: &Section<'_>, keys: [&'static Key; 2]) -> Option<PulseTimes> {
@@ -25,28 +30,117 @@ pub(super) fn emissions(section: &Section<'_>, keys: [&'static Key; 2]) -> Optio
 
 /// A waveform, which may be no wider than a sample rate if that is given.
 pub(super) fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Option<Waveform> {
-    use crate::config::keys::waveform::{BANDWIDTH_HZ, KIND, PATH, PULSE_S, RATE_HZ, SWEEP};
-    let waveform =
-        match section.choice(&KIND) {
-            Some(WaveformKind::Lfm) => {
-                let bandwidth_hz = section.number(&BANDWIDTH_HZ);
-                if let (Some(bandwidth_hz), Some(sample_rate_hz)) = (bandwidth_hz, sample_rate_hz)
-                    && bandwidth_hz > sample_rate_hz
-                {
-                    section.fault(&BANDWIDTH_HZ, Problem::Bandwidth { bandwidth_hz, sample_rate_hz });
+    use crate::config::keys::waveform::{BANDWIDTH_HZ, CHIP_S, KIND, PATH, PULSE_S, RATE_HZ, SWEEP};
+    let too_wide = |key: &'static Key, bandwidth_hz: f64| {
+        if let Some(sample_rate_hz) = sample_rate_hz.filter(|rate_hz| bandwidth_hz > *rate_hz) {
+            section.fault(key, Problem::Bandwidth { bandwidth_hz, sample_rate_hz });
+        }
+    };
+    let swept = || {
+        let bandwidth_hz = section.number(&BANDWIDTH_HZ);
+        bandwidth_hz.into_iter().for_each(|bandwidth_hz| too_wide(&BANDWIDTH_HZ, bandwidth_hz));
+        let (duration_s, sweep) = (section.number(&PULSE_S), section.choice(&SWEEP));
+        Some((bandwidth_hz?, duration_s?, sweep?))
+    };
+    let waveform = match section.choice(&KIND) {
+        Some(WaveformKind::Lfm) => swept().map(|(bandwidth_hz, duration_s, kind)| match direction(kind) {
+            Some(sweep) => Waveform::Lfm { bandwidth_hz, duration_s, sweep },
+            None => Waveform::Triangular { bandwidth_hz, duration_s },
+        }),
+        Some(WaveformKind::Nlfm) => {
+            let (swept, taper) = (swept(), taper(&section));
+            let product = swept.map(|(bandwidth_hz, duration_s, _)| bandwidth_hz * duration_s);
+            let [least, most] = PRODUCTS;
+            if let Some(product) = product.filter(|product| !(least..=most).contains(product)) {
+                let found = format!("bandwidth_hz times pulse_s = {}", figure(product));
+                let allowed =
+                    format!("a product of {} to {} for kind = \"nlfm\"", figure(least), figure(most));
+                section.fault(&PULSE_S, Problem::Type { found, allowed });
+            }
+            let sweep = swept.map(|(.., kind)| direction(kind));
+            if sweep == Some(None) {
+                let found = "sweep = \"triangular\" of kind = \"nlfm\"".to_owned();
+                section.fault(&SWEEP, Problem::Type { found, allowed: "\"up\", \"down\"".to_owned() });
+            }
+            swept.zip(taper).zip(sweep.flatten()).map(|(((bandwidth_hz, duration_s, _), taper), sweep)| {
+                Waveform::Nlfm { bandwidth_hz, duration_s, sweep, taper }
+            })
+        }
+        Some(WaveformKind::Cw) => section.number(&PULSE_S).map(|duration_s| Waveform::Cw { duration_s }),
+        Some(WaveformKind::PhaseCode) => {
+            let (code, chip_s) = (code(&section), section.number(&CHIP_S));
+            if let Some(hz) = chip_s.map(f64::recip) {
+                // A chip of one sample must pass although its reciprocal is rounded.
+                let fits = sample_rate_hz.is_none_or(|rate_hz| hz * (1.0 - 4.0 * f64::EPSILON) <= rate_hz);
+                if !fits {
+                    too_wide(&CHIP_S, hz);
                 }
-                let duration_s = section.number(&PULSE_S);
-                let sweep = section.choice(&SWEEP);
-                bandwidth_hz.zip(duration_s).zip(sweep).map(|((bandwidth_hz, duration_s), sweep)| {
-                    Waveform::Lfm { bandwidth_hz, duration_s, sweep }
-                })
             }
-            Some(WaveformKind::File) => {
-                let (path, rate_hz) = (section.file(&PATH), section.number(&RATE_HZ));
-                path.zip(rate_hz).map(|(path, rate_hz)| Waveform::Samples { path, rate_hz })
-            }
-            None => None,
-        };
+            code.zip(chip_s).map(|(code, chip_s)| Waveform::PhaseCode { code, chip_s })
+        }
+        Some(WaveformKind::File) => {
+            let (path, rate_hz) = (section.file(&PATH), section.number(&RATE_HZ));
+            path.zip(rate_hz).map(|(path, rate_hz)| Waveform::Samples { path, rate_hz })
+        }
+        None => None,
+    };
     section.finish();
     waveform
+}
+
+/// Of a sweep that has one.
+fn direction(kind: SweepKind) -> Option<Sweep> {
+    match kind {
+        SweepKind::Up => Some(Sweep::Up),
+        SweepKind::Down => Some(Sweep::Down),
+        SweepKind::Triangular => None,
+    }
+}
+
+/// The taper of a nonlinear sweep.
+fn taper(section: &Section<'_>) -> Option<Taper> {
+    use crate::config::keys::waveform::{SIDELOBE_DB, TAPER};
+    match section.choice(&TAPER)? {
+        TaperKind::Taylor => Some(Taper::Taylor { sidelobe_db: section.number(&SIDELOBE_DB)? }),
+        TaperKind::Hamming => {
+            section.idle(&[&SIDELOBE_DB], "taper = \"hamming\"");
+            Some(Taper::Hamming)
+        }
+    }
+}
+
+/// A phase code of as many chips as are written.
+fn code(section: &Section<'_>) -> Option<Code> {
+    use crate::config::keys::waveform::{CHIPS, CODE, REGISTER};
+    let Some(kind): Option<CodeKind> = section.choice(&CODE) else {
+        // Which of these belong to it is unknown.
+        let written = [&CHIPS, &REGISTER].into_iter().filter(|key| section.has(key));
+        written.for_each(|key| {
+            section.count(key);
+        });
+        return None;
+    };
+    if kind == CodeKind::MSequence {
+        section.idle(&[&CHIPS], "code = \"m-sequence\"");
+        return Some(Code::MSequence { register: u32::try_from(section.count(&REGISTER)?).ok()? });
+    }
+    section.idle(&[&REGISTER], &format!("code = \"{}\"", kind.word()));
+    let chips = usize::try_from(section.count(&CHIPS)?).ok()?;
+    let refused = |allowed: &str| {
+        let found = format!("{chips} chips of code = \"{}\"", kind.word());
+        section.fault(&CHIPS, Problem::Type { found, allowed: allowed.to_owned() });
+        None
+    };
+    match kind {
+        CodeKind::Barker if !BARKER.contains(&chips) => refused("2, 3, 4, 5, 7, 11 or 13"),
+        CodeKind::Barker => Some(Code::Barker { chips }),
+        CodeKind::Frank if chips.isqrt().pow(2) != chips => {
+            refused("the square of a whole number from 2 to 256")
+        }
+        CodeKind::Frank => Some(Code::Frank { phases: chips.isqrt() }),
+        CodeKind::P3 => Some(Code::P3 { chips }),
+        CodeKind::P4 => Some(Code::P4 { chips }),
+        // Told by its register.
+        CodeKind::MSequence => None,
+    }
 }

@@ -34,6 +34,11 @@ pub enum FocusError {
         "holds blocks received without a gap (radar.window.gate = \"continuous\"), and an image takes a window for every pulse; allowed: a recording with gate = \"windowed\", or windows cut from the blocks by a processor of your own (docs/continuous.md)"
     )]
     Continuous,
+    /// Tones in place of pulses.
+    #[error(
+        "holds dechirped echoes (radar.dechirp), which are compressed by a transform, not by a replica; allowed: a recording without radar.dechirp, or a processor of your own (docs/fmcw.md)"
+    )]
+    Dechirped,
     /// What came over the wire, by true navigation.
     #[error(
         "holds no true phase centres: it was received over the wire, which carries what platforms report; allowed: --nav reported"

@@ -168,6 +168,9 @@ impl<'a> Focuser<'a> {
         if recording.header.is_continuous() {
             return Err(FocusError::Continuous);
         }
+        if recording.header.is_dechirped() {
+            return Err(FocusError::Dechirped);
+        }
         let compressor = compressor(recording, settings)?;
         let channel = *echoes(recording).first().ok_or(FocusError::NoEchoes)?;
         let instrument = instrument(recording, scenario);

@@ -36,6 +36,10 @@ impl Waveform for Offset {
         self.waveform.bandwidth_hz()
     }
 
+    fn lobe_hz(&self) -> f64 {
+        self.waveform.lobe_hz()
+    }
+
     fn spectrum(&self, f_hz: f64) -> Complex64 {
         self.waveform.spectrum(f_hz - self.offset_hz)
     }

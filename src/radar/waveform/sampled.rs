@@ -21,6 +21,7 @@ use std::path::Path;
 
 use num_complex::Complex64;
 
+use super::table::{self, POINTS};
 use super::{SampleFault, SampleFaults, Waveform, WaveformError};
 use crate::inputs;
 use crate::radar::phasor::phasor;
@@ -29,16 +30,8 @@ use crate::radar::phasor::phasor;
 pub const MAX_SAMPLES: usize = 131_072;
 /// Bytes a file may have: 96 for a sample and its comments.
 const MAX_BYTES: u64 = 96 * MAX_SAMPLES as u64;
-/// Table cells per `rate / L`.
-const OVERSAMPLING: usize = 16;
-/// Points of an interpolation.
-const POINTS: usize = 12;
 /// Characters of a faulty line that a message repeats.
 const QUOTED: usize = 40;
-
-/// `(-1)^i binomial(11, i)`: barycentric weights of 12 equidistant points.
-const WEIGHTS: [f64; POINTS] =
-    [1.0, -11.0, 55.0, -165.0, 330.0, -462.0, 462.0, -330.0, 165.0, -55.0, 11.0, -1.0];
 
 /// A band-limited pulse given by its samples.
 #[derive(Clone, Debug)]
@@ -77,21 +70,8 @@ impl Sampled {
         if !faults.is_empty() {
             return Err(WaveformError::Samples(faults));
         }
-        let len = samples.len();
-        let middle = 0.5 * (len as f64 - 1.0);
-        // Even, so that +-rate/2 falls on a cell.
-        let cells = (OVERSAMPLING * len).next_multiple_of(2);
-        let mut spectrum = samples.clone();
-        spectrum.resize(cells, Complex64::ZERO);
-        nereus_fft::forward(cells).process(&mut spectrum);
-        let margin = (POINTS / 2) as i64;
-        let half = (cells / 2) as i64;
-        let table: Vec<Complex64> = (-half - margin..=half + margin)
-            .map(|m| {
-                let bin = m.rem_euclid(cells as i64) as usize;
-                spectrum[bin] * phasor(m as f64 * middle / cells as f64) / rate_hz
-            })
-            .collect();
+        let middle = 0.5 * (samples.len() as f64 - 1.0);
+        let (cells, table) = table::of_sum(&samples, rate_hz);
         let bandwidth_hz = occupied_bandwidth_hz(&table[POINTS / 2..], cells, rate_hz);
         Ok(Self { rate_hz, bandwidth_hz, samples, middle, cells, table })
     }
@@ -194,22 +174,7 @@ impl Waveform for Sampled {
         }
         // Cell of the table: at least POINTS/2, at most cells + POINTS/2.
         let place = (x + 0.5) * self.cells as f64 + (POINTS / 2) as f64;
-        let first = place as usize + 1 - POINTS / 2;
-        let t = place - first as f64;
-        let Some(points) = self.table.get(first..first + POINTS) else { return Complex64::ZERO };
-        let (mut above, mut below) = (Complex64::ZERO, 0.0);
-        for (i, (value, weight)) in points.iter().zip(&WEIGHTS).enumerate() {
-            let distance = t - i as f64;
-            if distance == 0.0 {
-                above = *value;
-                below = 1.0;
-                break;
-            }
-            let share = weight / distance;
-            above += value * share;
-            below += share;
-        }
-        above / below * phasor(-x * self.middle)
+        table::at(&self.table, place) * phasor(-x * self.middle)
     }
 
     fn sample(&self, t_s: f64) -> Complex64 {

@@ -155,13 +155,16 @@ impl Description {
         if header.is_continuous() {
             return Err(CrsdError::Continuous);
         }
+        if header.is_dechirped() {
+            return Err(CrsdError::Dechirped);
+        }
         let radar = &scene.radar;
         let frame = scene.frame;
         if frame.origin().is_none() {
             return Err(CrsdError::NoOrigin);
         }
         let Waveform::Lfm { bandwidth_hz, duration_s, sweep } = radar.waveform else {
-            return Err(CrsdError::Waveform);
+            return Err(CrsdError::Waveform { kind: radar.waveform.kind() });
         };
         let is_whole = header.replica.iter().all(|z| z.re.is_finite() && z.im.is_finite());
         if header.replica.is_empty() || !is_whole {

@@ -39,6 +39,9 @@ pub enum CrsdError {
          allowed: gate = \"windowed\", or another format"
     )]
     Continuous,
+    /// Tones in place of pulses.
+    #[error("echoes are dechirped (radar.dechirp); allowed for CRSD: no dechirp, or another format")]
+    Dechirped,
     /// A scenario that does not describe the recording.
     #[error("the scenario in the recording has no {what} {}", one_line(name))]
     Undescribed {
@@ -79,11 +82,15 @@ pub enum CrsdError {
         /// Two of them.
         channels: [String; 2],
     },
-    /// A waveform from a file.
+    /// A waveform that is no linear sweep.
     #[error(
-        "the waveform is read from a file; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\")"
+        "the waveform is {}; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\")",
+        if *kind == "samples" { "read from a file" } else { kind }
     )]
-    Waveform,
+    Waveform {
+        /// Its kind.
+        kind: &'static str,
+    },
     /// The transmitted pulse is missing.
     #[error("has no replica of finite samples, which range compression needs; allowed: a whole recording")]
     Replica,

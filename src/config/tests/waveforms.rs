@@ -1,0 +1,138 @@
+//! Waveforms: what they say, and what they may not.
+
+use super::*;
+use crate::scene::radar::{Code, Sweep, Taper, Waveform};
+
+/// Scenarios by which every key of a waveform is read.
+pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
+    [
+        "{ kind = 'nlfm', bandwidth_hz = 50e6, pulse_s = 1e-6 }",
+        "{ kind = 'phase-code', code = 'p4', chips = 20, chip_s = 2e-8 }",
+        "{ kind = 'phase-code', code = 'm-sequence', register = 5, chip_s = 2e-8 }",
+    ]
+    .map(|waveform| vec![("radar.waveform", waveform)])
+    .into_iter()
+    .chain([vec![("radar.dechirp", "{ delay_us = 0 }")]])
+    .map(|settings| (COASTAL, settings))
+    .collect()
+}
+
+fn of(waveform: &str) -> Waveform {
+    parse(COASTAL, &in_configs(), &settings(&[("radar.waveform", waveform)])).unwrap().scene.radar.waveform
+}
+
+fn faults(waveform: &str) -> String {
+    let set = settings(&[("radar.waveform", waveform)]);
+    let error = parse(COASTAL, &in_configs(), &set).unwrap_err();
+    error.faults().iter().map(|fault| format!("{fault}\n")).collect()
+}
+
+#[test]
+fn every_kind_is_what_it_says() {
+    let swept = "bandwidth_hz = 50e6, pulse_s = 1e-6";
+    assert_eq!(
+        of(&format!("{{ kind = 'nlfm', {swept}, sweep = 'down' }}")),
+        Waveform::Nlfm {
+            bandwidth_hz: 50e6,
+            duration_s: 1e-6,
+            sweep: Sweep::Down,
+            taper: Taper::Taylor { sidelobe_db: 35.0 }
+        }
+    );
+    let hamming = of(&format!("{{ kind = 'nlfm', {swept}, taper = 'hamming' }}"));
+    assert!(matches!(hamming, Waveform::Nlfm { taper: Taper::Hamming, .. }));
+    let triangular = of(&format!("{{ kind = 'lfm', {swept}, sweep = 'triangular' }}"));
+    assert_eq!(triangular, Waveform::Triangular { bandwidth_hz: 50e6, duration_s: 1e-6 });
+    let plain = of("{ kind = 'cw', pulse_s = 0.5e-6 }");
+    assert_eq!((plain.kind(), plain.bandwidth_hz(), plain.duration_s()), ("cw", Some(2e6), Some(5e-7)));
+    for (keys, code) in [
+        ("code = 'barker', chips = 13", Code::Barker { chips: 13 }),
+        ("code = 'frank', chips = 16", Code::Frank { phases: 4 }),
+        ("code = 'p3', chips = 21", Code::P3 { chips: 21 }),
+        ("code = 'p4', chips = 22", Code::P4 { chips: 22 }),
+        ("code = 'm-sequence', register = 5", Code::MSequence { register: 5 }),
+    ] {
+        // A chip of one sample is not wider than the rate.
+        let found = of(&format!("{{ kind = 'phase-code', {keys}, chip_s = 1e-8 }}"));
+        assert_eq!(found, Waveform::PhaseCode { code, chip_s: 1e-8 });
+        crate::radar::waveform::from_description(&found).unwrap();
+    }
+}
+
+/// What the reader allows is what there is.
+#[test]
+fn limits_are_those_of_the_pulses() {
+    use crate::radar::waveform::{MAX_NONLINEAR, MIN_NONLINEAR, SIDELOBES_DB};
+    let keys::Kind::Number { min, max, .. } = keys::waveform::SIDELOBE_DB.kind else { panic!() };
+    assert_eq!([min, max], SIDELOBES_DB);
+    let product =
+        |product: f64| faults(&format!("{{ kind = 'nlfm', bandwidth_hz = 1e6, pulse_s = {product}e-6 }}"));
+    assert!(product(0.99 * MIN_NONLINEAR).contains("a product of 4 to 20000"));
+    assert!(product(1.01 * MAX_NONLINEAR).contains("a product of 4 to 20000"));
+}
+
+#[test]
+fn faulty_waveforms_are_refused() {
+    let coded = |keys: &str| faults(&format!("{{ kind = 'phase-code', {keys} }}"));
+    insta::assert_snapshot!(coded("chips = 5, chip_s = 1e-7"), @r#"radar.waveform.code: is missing; required: "barker", "frank", "p3", "p4", "m-sequence""#);
+    insta::assert_snapshot!(coded("code = 'barker', chips = 6, chip_s = 1e-7"), @r#"radar.waveform.chips: 6 chips of code = "barker" is not allowed; allowed: 2, 3, 4, 5, 7, 11 or 13"#);
+    insta::assert_snapshot!(coded("code = 'frank', chips = 15, chip_s = 1e-7"), @r#"radar.waveform.chips: 15 chips of code = "frank" is not allowed; allowed: the square of a whole number from 2 to 256"#);
+    insta::assert_snapshot!(coded("code = 'p3', chips = 1, chip_s = 0"), @r#"
+radar.waveform.chips: 1 is out of range; allowed: a whole number from 2 to 65536
+radar.waveform.chip_s: 0 is out of range; allowed: a number above 0, up to 1 s
+"#);
+    insta::assert_snapshot!(coded("code = 'p4', chips = 5, chip_s = 1e-9"), @r#"radar.waveform.chip_s: 9.999999999999999e8 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 1e8 Hz"#);
+    insta::assert_snapshot!(coded("code = 'm-sequence', chips = 5, chip_s = 1e-7"), @r#"
+radar.waveform.chips: not allowed here (code = "m-sequence")
+radar.waveform.register: is missing; required: a whole number from 2 to 16
+"#);
+    insta::assert_snapshot!(coded("code = 'p4', chips = 50, register = 5, bandwidth_hz = 1e6, chip_s = 1e-7"), @r#"
+radar.waveform.register: not allowed here (code = "p4")
+radar.waveform.bandwidth_hz: not allowed here (kind = "phase-code")
+"#);
+    insta::assert_snapshot!(coded("code = 'p4', chips = 60000, chip_s = 1e-6"), @r#"
+radar.prf_hz: 4504.504505 us between pulses are shorter than the pulse of 60000 us: two pulses would leave at once; allowed: at least 60000 us
+radar.window.samples: 512 samples (5.12e-6 s) are shorter than the pulse (6e-2 s); allowed: at least 6000000
+"#);
+    insta::assert_snapshot!(faults("{ kind = 'nlfm', bandwidth_hz = 2e8, pulse_s = 1e-9, sidelobe_db = 70 }"), @r#"
+radar.waveform.bandwidth_hz: 2e8 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 1e8 Hz
+radar.waveform.sidelobe_db: 70 is out of range; allowed: a number from 20 to 60 dB
+radar.waveform.pulse_s: bandwidth_hz times pulse_s = 0.2 is not allowed; allowed: a product of 4 to 20000 for kind = "nlfm"
+"#);
+    insta::assert_snapshot!(faults("{ kind = 'nlfm', bandwidth_hz = 5e7, pulse_s = 1e-6, taper = 'hamming', sidelobe_db = 30 }"), @r#"radar.waveform.sidelobe_db: not allowed here (taper = "hamming")"#);
+    insta::assert_snapshot!(faults("{ kind = 'nlfm', bandwidth_hz = 5e7, pulse_s = 1e-6, sweep = 'triangular' }"), @r#"radar.waveform.sweep: sweep = "triangular" of kind = "nlfm" is not allowed; allowed: "up", "down""#);
+    insta::assert_snapshot!(faults("{ kind = 'cw', bandwidth_hz = 5e7 }"), @r#"
+radar.waveform.pulse_s: is missing; required: a number above 0, up to 10 s
+radar.waveform.bandwidth_hz: not allowed here (kind = "cw")
+"#);
+}
+
+/// A radar of a bandwidth far above its sample rate, that is dechirped.
+fn dechirped(more: &[(&str, &str)]) -> Result<Run, ConfigError> {
+    let own = [
+        ("radar.sample_rate_hz", "2e6"),
+        ("radar.prf_hz", "1000"),
+        ("radar.waveform", "{ kind = 'lfm', bandwidth_hz = 75e6, pulse_s = 1e-3 }"),
+        ("radar.window", "{ samples = 500, start_us = 30 }"),
+        ("radar.dechirp", "{ delay_us = 20 }"),
+    ];
+    coastal_with(&[&own[..], more].concat())
+}
+
+#[test]
+fn a_dechirp_needs_a_linear_sweep_in_windows() {
+    let radar = dechirped(&[]).unwrap().scene.radar;
+    assert_eq!(radar.dechirp.unwrap().delay_s, 20e-6);
+    let of = |more: &[(&str, &str)]| {
+        let error = dechirped(more).unwrap_err();
+        error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
+    };
+    insta::assert_snapshot!(of(&[("radar.dechirp", "{}")]), @"radar.dechirp.delay_us: is missing; required: a number from 0 to 1e7 us");
+    insta::assert_snapshot!(of(&[("radar.waveform", "{ kind = 'cw', pulse_s = 1e-5 }")]), @r#"radar.dechirp: dechirp of waveform.kind = "cw" is not allowed; allowed: waveform.kind = "lfm""#);
+    insta::assert_snapshot!(of(&[("radar.window", "{ gate = 'continuous', samples = 500 }"), ("receiver.0.clock", "{ preset = 'tcxo' }")]), @r#"
+radar.window: gate = "continuous" beside clock errors of antennas is not allowed; allowed: gate = "windowed", or no clock errors of antennas
+radar.dechirp: dechirp beside gate = "continuous" is not allowed; allowed: no dechirp, or no gate = "continuous"
+radar.dechirp: dechirp beside clock errors of antennas is not allowed; allowed: no dechirp, or no clock errors of antennas
+"#);
+    insta::assert_snapshot!(of(&[("radar.waveform.bandwidth_hz", "8e9")]), @"radar.dechirp: a pulse and a window of 1.701e7 samples at the rate of the bandwidth is not allowed; allowed: up to 4e6: less bandwidth, a shorter pulse or window");
+}

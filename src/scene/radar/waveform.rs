@@ -1,0 +1,181 @@
+//! What a pulse is modulated by, as described.
+
+use std::path::PathBuf;
+
+/// The transmitted baseband pulse, unit amplitude.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Waveform {
+    /// Linear frequency modulation, `exp(j pi mu (t - Tc/2)^2)`, `mu = +-B/Tc`.
+    Lfm {
+        /// Swept bandwidth B, Hz.
+        bandwidth_hz: f64,
+        /// Pulse length Tc, s.
+        duration_s: f64,
+        /// Direction of the sweep.
+        sweep: Sweep,
+    },
+    /// Linear frequency modulation up in the first half of the pulse and down in the second.
+    Triangular {
+        /// Swept bandwidth B, Hz.
+        bandwidth_hz: f64,
+        /// Length of both, s.
+        duration_s: f64,
+    },
+    /// Frequency modulation whose power spectrum is a taper.
+    Nlfm {
+        /// Swept bandwidth B, Hz.
+        bandwidth_hz: f64,
+        /// Pulse length Tc, s.
+        duration_s: f64,
+        /// Direction of the sweep.
+        sweep: Sweep,
+        /// The taper.
+        taper: Taper,
+    },
+    /// A rectangular pulse of the carrier.
+    Cw {
+        /// Pulse length Tc, s.
+        duration_s: f64,
+    },
+    /// Chips of equal length, each of one phase.
+    PhaseCode {
+        /// The code.
+        code: Code,
+        /// Length of a chip, s.
+        chip_s: f64,
+    },
+    /// Complex baseband samples from a file (CSV `re,im`), at `rate_hz`.
+    Samples {
+        /// The file.
+        path: PathBuf,
+        /// Rate of the samples, Hz.
+        rate_hz: f64,
+    },
+}
+
+impl Waveform {
+    /// Length of the pulse, s; `None` where a file has it.
+    pub fn duration_s(&self) -> Option<f64> {
+        match self {
+            Self::Lfm { duration_s, .. }
+            | Self::Triangular { duration_s, .. }
+            | Self::Nlfm { duration_s, .. }
+            | Self::Cw { duration_s } => Some(*duration_s),
+            Self::PhaseCode { code, chip_s } => Some(code.chips() as f64 * chip_s),
+            Self::Samples { .. } => None,
+        }
+    }
+
+    /// Bandwidth, Hz: swept, `1/Tc` of a plain pulse, one over a chip of a code; `None` where a file has it.
+    pub fn bandwidth_hz(&self) -> Option<f64> {
+        match self {
+            Self::Lfm { bandwidth_hz, .. }
+            | Self::Triangular { bandwidth_hz, .. }
+            | Self::Nlfm { bandwidth_hz, .. } => Some(*bandwidth_hz),
+            Self::Cw { duration_s } => Some(duration_s.recip()),
+            Self::PhaseCode { chip_s, .. } => Some(chip_s.recip()),
+            Self::Samples { .. } => None,
+        }
+    }
+
+    /// The kind as recordings and streams name it.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Lfm { .. } => "lfm",
+            Self::Triangular { .. } => "triangular",
+            Self::Nlfm { .. } => "nlfm",
+            Self::Cw { .. } => "cw",
+            Self::PhaseCode { .. } => "phase-code",
+            Self::Samples { .. } => "samples",
+        }
+    }
+}
+
+/// What is received is multiplied by the conjugate of the waveform, so much later.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dechirp {
+    /// Delay of the reference after the emission, s.
+    pub delay_s: f64,
+}
+
+/// Direction of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Sweep {
+    /// Frequency rises.
+    Up,
+    /// Frequency falls.
+    Down,
+}
+
+/// The power spectrum of a nonlinear sweep over its band.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Taper {
+    /// `0.54 + 0.46 cos(2 pi f/B)`.
+    Hamming,
+    /// Taylor's, of the least order for which it falls from the middle to the edges.
+    Taylor {
+        /// Side lobes below the peak of the compressed pulse, dB.
+        sidelobe_db: f64,
+    },
+}
+
+/// A phase code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Code {
+    /// Two phases, all side lobes of one chip.
+    Barker {
+        /// 2, 3, 4, 5, 7, 11 or 13.
+        chips: usize,
+    },
+    /// `M` groups of `M` chips, each group a step of frequency higher.
+    Frank {
+        /// `M`, 2 or more.
+        phases: usize,
+    },
+    /// Phases of a linear sweep from the carrier on.
+    P3 {
+        /// 2 or more.
+        chips: usize,
+    },
+    /// Phases of a linear sweep about the carrier.
+    P4 {
+        /// 2 or more.
+        chips: usize,
+    },
+    /// Two phases, by a shift register of greatest period.
+    MSequence {
+        /// Stages of the register, 2 to 16.
+        register: u32,
+    },
+}
+
+impl Code {
+    /// Chips that a code may have at most.
+    pub const MOST_CHIPS: usize = 1 << 16;
+
+    /// How many chips it has.
+    pub fn chips(&self) -> usize {
+        match self {
+            Self::Barker { chips } | Self::P3 { chips } | Self::P4 { chips } => *chips,
+            Self::Frank { phases } => phases.saturating_mul(*phases),
+            Self::MSequence { register } => {
+                1usize.checked_shl(*register).map_or(usize::MAX, |n| n.wrapping_sub(1))
+            }
+        }
+    }
+
+    /// What scenarios call it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Barker { .. } => "barker",
+            Self::Frank { .. } => "frank",
+            Self::P3 { .. } => "p3",
+            Self::P4 { .. } => "p4",
+            Self::MSequence { .. } => "m-sequence",
+        }
+    }
+}
