@@ -32,6 +32,29 @@ pub fn is_product_of(primes: &[usize], mut n: usize) -> bool {
     n == 1
 }
 
+/// The least product of some primes that is not below `least`, or `least` where there is none.
+pub fn next_product_of(primes: &[usize], least: usize) -> usize {
+    (least.max(1)..).find(|n| is_product_of(primes, *n)).unwrap_or(least)
+}
+
+/// The least even number from `least` on that has no prime factor above 5: a length of a fast transform.
+pub fn fast_len(least: usize) -> usize {
+    2 * next_product_of(&[2, 3, 5], least.div_ceil(2))
+}
+
+/// `(node, weight)` of the positive half of Gauss-Legendre's rule with 16 points on [-1, 1] (Abramowitz and
+/// Stegun, table 25.4).
+pub const GAUSS_16: [(f64, f64); 8] = [
+    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
+    (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
+    (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
+    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
+    (0.755_404_408_355_003, 0.124_628_971_255_533_87),
+    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
+    (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
+    (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
+];
+
 /// Greatest common divisor.
 pub fn common_divisor(mut a: usize, mut b: usize) -> usize {
     while b > 0 {

@@ -72,7 +72,7 @@ pub fn settings(chosen: Option<&EchoSettings>) -> Map<String, Value> {
         Doppler::ShiftTaylor => "shift-taylor",
     };
     set("doppler", json!(doppler));
-    if chosen.fine_surface {
+    if chosen.fine.surface {
         set("surface", json!("f64"));
     }
     set("precision", json!(if chosen.precision == Precision::Double { "f64" } else { "f32" }));

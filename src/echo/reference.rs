@@ -76,7 +76,7 @@ use crate::paths::list::ScattererPaths;
 use crate::radar::filter::{RINGING_SAMPLES, ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
-use crate::units::is_product_of;
+use crate::units::fast_len;
 
 /// Samples between the window and the nearest image of a pulse, on either side.
 pub const GUARD_SAMPLES: usize = RINGING_SAMPLES;
@@ -288,15 +288,6 @@ pub(super) fn of_window<'a, T>(all: &'a [T], windows: &[usize], pair: usize) -> 
         [one] => Some(one),
         _ => all.get(windows.get(pair).copied().unwrap_or(0)),
     }
-}
-
-/// The least even number from `least` on that has no prime factor above 5.
-pub(super) fn fast_len(least: usize) -> usize {
-    let mut n = least.max(2).next_multiple_of(2);
-    while !is_product_of(&[2, 3, 5], n) {
-        n += 2;
-    }
-    n
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use super::{PlanError, Prediction};
 use crate::echo::Asked;
 use crate::echo::synth::block::MAX_PULSES;
 use crate::paths::PathGenerator;
-use crate::paths::block::NODES;
+use crate::paths::block::{Fine, NODES};
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
@@ -52,8 +52,8 @@ pub struct Chooser<'a> {
     gain_steps: Vec<u64>,
 }
 
-/// What is asked that a sample depends on: thresholds of sidelobe tiles and of those left out, pulses of gains
-/// and of panels, precision of the surface, length of units.
+/// What is asked that a sample depends on: thresholds of sidelobe tiles and of those left out, pulses of
+/// gains and of panels, precision of the surface, length of units.
 type Given = ([Option<f64>; 2], [Option<u64>; 2], [bool; 2]);
 
 fn given(asked: &Asked, fine_surface: bool) -> Given {
@@ -155,8 +155,7 @@ impl<'a> Chooser<'a> {
                 between: None,
                 least_power: budget.least_power,
                 precision: budget.precision,
-                fine_surface: false,
-                exact_shadows: true,
+                fine: Fine { surface: false, shadows: true },
                 echo: synth.single,
             };
             let prediction = Prediction { echo: synth.single_error, ..Prediction::default() };

@@ -284,7 +284,7 @@ impl Size {
         let each_breaker = if self.stretches { BREAKER } else { BREAKER_EXACT };
         let of_panel = PANEL + PANEL_AT_NODE * (nodes * stretches / pulses).min(1.0);
         Work([
-            per_block(nodes * surface * if chosen.fine_surface { 2.0 } else { 1.0 }),
+            per_block(nodes * surface * if chosen.fine.surface { 2.0 } else { 1.0 }),
             per_block(updates * antennas),
             per_block(again * (either(nodes, few) + beyond * few) * pairs),
             per_block(again * either(epochs, few_epochs) * pairs),

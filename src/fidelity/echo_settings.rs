@@ -2,7 +2,7 @@
 
 use super::sidelobe::NONE_DB;
 use crate::echo::synth::{Precision, Settings};
-use crate::paths::block::{NODES, Sidelobe};
+use crate::paths::block::{Fine, NODES, Sidelobe};
 
 /// What the fast echo is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,10 +33,8 @@ pub struct EchoSettings {
     pub least_power: f64,
     /// Word length.
     pub precision: Precision,
-    /// Whether the surface at nodes is found in f64, and rounded at the end.
-    pub fine_surface: bool,
-    /// Whether shadows of few facets are those of the reference.
-    pub exact_shadows: bool,
+    /// What is found as the reference finds it.
+    pub fine: Fine,
     /// The settings of the echo.
     pub echo: Settings,
 }

@@ -13,7 +13,7 @@ use super::{PlanError, Prediction};
 use crate::echo::synth::PredictedError;
 use crate::fidelity::budget::{Budget, Plan};
 use crate::paths::PathGenerator;
-use crate::paths::block::{EPOCHS_PER_NODE, GAIN_POINTS, Sidelobe, WAKE_EPOCHS};
+use crate::paths::block::{EPOCHS_PER_NODE, Fine, GAIN_POINTS, Sidelobe, WAKE_EPOCHS};
 use crate::scene::Scene;
 use crate::sea::GRAVITY_MPS2;
 
@@ -310,8 +310,7 @@ impl<'a> Search<'a> {
             between: self.between,
             least_power: self.omission.least_power,
             precision: self.budget.precision,
-            fine_surface: self.fine_surface,
-            exact_shadows: self.budget.needs_exact_shadows(),
+            fine: Fine { surface: self.fine_surface, shadows: self.budget.needs_exact_shadows() },
             echo: self.synth.settings,
         }
     }

@@ -19,7 +19,7 @@ use crate::radar::fault::RadarError;
 use crate::radar::filter::ReceiveFilter;
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
-use crate::scene::radar::{Dechirp, Radar, Waveform as Described};
+use crate::scene::radar::{Dechirp, Radar};
 
 /// Pulses that are looked at.
 const PULSES: u64 = 8;
@@ -40,9 +40,8 @@ pub(super) fn share(
     let (rate_hz, pulse_s) = (radar.sample_rate_hz, waveform.duration_s());
     let lead_s = LEAD as f64 / rate_hz;
     let window_s = radar.window.samples as f64 / rate_hz;
-    let halves = if matches!(radar.waveform, Described::Triangular { .. }) { 2.0 } else { 1.0 };
-    let sweep_hz_s = halves * waveform.bandwidth_hz() / pulse_s;
-    let sweep_hz_s = waveform.sweep_rate_hz_per_s().unwrap_or(sweep_hz_s);
+    let of_halves = || radar.waveform.steepness_hz_per_s().unwrap_or(0.0);
+    let sweep_hz_s = waveform.sweep_rate_hz_per_s().unwrap_or_else(of_halves);
     let filter = ReceiveFilter::new(rate_hz);
     let layout = scene.radar.layout(scene.platforms.len(), scene.targets.len());
     let (mut list, mut record, mut memory) = (full_list(paths), Pulse::new(&layout), paths.workspace());

@@ -40,7 +40,7 @@ use super::waveform::Waveform;
 use crate::pulse::Pulse;
 use crate::scene::Radar;
 use crate::scene::radar::{Gate, Window};
-use crate::units::is_product_of;
+use crate::units::{fast_len, next_product_of};
 
 /// Samples before and after a window that the filter looks at.
 pub const LEAD: usize = super::window::GUARD_SAMPLES;
@@ -51,13 +51,7 @@ const WIDER: f64 = 1.5;
 /// product with it is 1.5 times the bandwidth.
 pub fn factor(bandwidth_hz: f64, sample_rate_hz: f64) -> usize {
     let least = (WIDER * bandwidth_hz / sample_rate_hz).ceil().clamp(1.0, 1e9) as usize;
-    (least..).find(|n| is_product_of(&[2, 3, 5], *n)).unwrap_or(least)
-}
-
-/// The least even number from one on without large primes.
-fn fast_len(least: usize) -> usize {
-    let even = least.max(2).next_multiple_of(2);
-    (even..).step_by(2).find(|n| is_product_of(&[2, 3, 5], *n)).unwrap_or(even)
+    next_product_of(&[2, 3, 5], least)
 }
 
 /// The radar as its front end receives: `None` of a radar without dechirp.

@@ -319,7 +319,7 @@ fn fine_budgets_keep_nodes() {
         let (measured_db, plan) = measured(&Judge::new(&run, pulses, 2, |_| ()).unwrap(), &run);
         let predicted_db = plan.prediction.total_db();
         println!("asked {error_db}, predicted {predicted_db:.1}, measured {measured_db:.1} dB");
-        assert!(plan.chosen.fine_surface && plan.chosen.node_pulses > 1, "{:?}", plan.chosen);
+        assert!(plan.chosen.fine.surface && plan.chosen.node_pulses > 1, "{:?}", plan.chosen);
         assert!(plan.keeps() && measured_db <= predicted_db, "{predicted_db} {measured_db}");
     }
 }

@@ -1,10 +1,10 @@
-//! More transmitters and receivers of random scenes, and emitters beside.
+//! Antennas of random scenes, more transmitters and receivers, and emitters beside.
 
 use std::fmt::Write as _;
 
 use rand::Rng;
 
-use super::random_scene::{Draw, Flight, Geometry, Signal, line};
+use super::random_scene::{Draw, Flight, Geometry, LIGHT_MPS, Signal, line};
 use super::random_waveforms::waveform;
 
 const LOOKS: &str = "antenna = { kind = \"isotropic\", gain_dbi = 12.0 }\npointing = { kind = \"at\", position_m = [0.0, 0.0, 0.0] }";
@@ -18,6 +18,43 @@ fn platform(name: &str, flight: Flight, out: &mut String) {
             out,
             "track = {{ kind = \"straight\", position_m = {position_m:?}, velocity_mps = {velocity_mps:?} }}"
         ),
+    }
+}
+
+/// A transmitter and a receiver, their beams narrower by a factor than drawn.
+pub(super) fn antennas(draw: &mut Draw, geometry: &Geometry, times: f64, out: &mut String) {
+    let Geometry { size_m, own, other, .. } = geometry;
+    let wavelength_m = LIGHT_MPS / geometry.carrier_hz;
+    for (n, role) in ["transmitter", "receiver"].into_iter().enumerate() {
+        let platform = if geometry.bistatic { n } else { 0 };
+        let flight = if n == 0 { own } else { other };
+        let range_m = flight.position_m.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let size = size_m[0].max(size_m[1]);
+        // A beam of a third of the patch to many times it, and sometimes narrower.
+        let mut across =
+            || (wavelength_m * range_m / (size * times * draw.log(0.4, 8.0))).clamp(0.6 * wavelength_m, 12.0);
+        let (width_m, height_m) = (across(), across());
+        let antenna = match draw.0.next_u64() % 10 {
+            0..=1 => format!("{{ kind = \"isotropic\", gain_dbi = {:?} }}", draw.between(0.0, 20.0)),
+            2 => format!("{{ kind = \"circle\", diameter_m = {width_m:?} }}"),
+            3..=4 => format!("{{ kind = \"ellipse\", width_m = {width_m:?}, height_m = {height_m:?} }}"),
+            _ => format!("{{ kind = \"rectangle\", width_m = {width_m:?}, height_m = {height_m:?} }}"),
+        };
+        line!(out, "[[{role}]]\nname = \"a{n}\"\nplatform = \"p{platform}\"");
+        if n == 0 {
+            line!(out, "power_w = 10.0");
+        }
+        if draw.chance(0.15) {
+            line!(out, "lever_arm_m = [{:?}, {:?}, 0.5]", draw.between(-2.0, 2.0), draw.between(-1.0, 1.0));
+        }
+        if draw.chance(0.15) {
+            line!(out, "cross_pol_isolation_db = {:?}", draw.between(20.0, 40.0));
+        }
+        line!(out, "antenna = {antenna}");
+        // From above also past the patch: what lies below is then in side lobes.
+        let far = if geometry.above && draw.chance(0.6) { draw.log(1.0, 100.0) } else { 1.0 };
+        let off = [0, 1].map(|i| far * draw.between(-0.3, 0.3) * size_m[i]);
+        line!(out, "pointing = {{ kind = \"at\", position_m = [{:?}, {:?}, 0.0] }}", off[0], off[1]);
     }
 }
 

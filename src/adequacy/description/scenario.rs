@@ -110,8 +110,7 @@ pub fn rows(run: &Run) -> Vec<Described> {
 }
 
 fn dechirp_text(radar: &Radar, delay_s: f64, bandwidth_hz: f64) -> String {
-    let halves = if matches!(radar.waveform, Waveform::Triangular { .. }) { 2.0 } else { 1.0 };
-    let rate_hz_s = halves * bandwidth_hz / radar.waveform.duration_s().unwrap_or(f64::INFINITY);
+    let rate_hz_s = radar.waveform.steepness_hz_per_s().unwrap_or(0.0);
     let [flat_hz, _] = ReceiveFilter::new(radar.sample_rate_hz).edges_hz();
     let wide_hz = factor(bandwidth_hz, radar.sample_rate_hz) as f64 * radar.sample_rate_hz;
     format!(

@@ -39,6 +39,7 @@
 use std::f64::consts::PI;
 
 use super::SynthError;
+use crate::units::GAUSS_16;
 
 /// Widths there are, cells.
 pub const WIDTHS: std::ops::RangeInclusive<usize> = 2..=8;
@@ -120,7 +121,7 @@ impl Kernel {
         let mut sum = 0.0;
         for tap in 0..self.width {
             let middle = tap as f64 - 0.5 * (self.width as f64 - 1.0);
-            for (x, weight) in GAUSS {
+            for (x, weight) in GAUSS_16 {
                 for z in [0.5 * x, -0.5 * x] {
                     sum += 0.5 * weight * self.weight(tap, z) * (2.0 * PI * cycles * (z + middle)).cos();
                 }
@@ -146,19 +147,6 @@ impl Kernel {
         if all > 0.0 { wrong / all } else { 0.0 }
     }
 }
-
-/// `(node, weight)` of the positive half of Gauss-Legendre's rule with 16 points (Abramowitz and Stegun,
-/// table 25.4).
-const GAUSS: [(f64, f64); 8] = [
-    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
-    (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
-    (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
-    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
-    (0.755_404_408_355_003, 0.124_628_971_255_533_87),
-    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
-    (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
-    (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
-];
 
 /// Coefficients `c_i` of `f(z) = z^parity sum_{i < n} c_i z^(2i)` through the positive half of `2n` Chebyshev
 /// points of `[-1/2, 1/2]`.

@@ -90,11 +90,12 @@ use self::block::{BlockPaths, Frame};
 use self::doppler::{Doppler, Envelope};
 use self::kernel::{Kernel, MAX_TERMS};
 use self::spread::{Emitted, Job};
-use super::reference::{GUARD_SAMPLES, fast_len, of_window};
+use super::reference::{GUARD_SAMPLES, of_window};
 use crate::paths::block::{lanes_of, layers_of};
 use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
+use crate::units::fast_len;
 
 pub use self::grid::{Grids, Share};
 pub use self::prediction::PredictedError;

@@ -53,7 +53,7 @@ use crate::fidelity::echo_settings::block_pulses;
 use crate::fidelity::sidelobe::Candidates;
 use crate::geometry::lanes::Row;
 use crate::paths::block::probe::{Keep, SampledTile};
-use crate::paths::block::{Instants, TileWork};
+use crate::paths::block::{Fine, Instants, TileWork};
 use crate::paths::{PathGenerator, Workspace};
 use crate::radar::fault::RadarError;
 use crate::radar::waveform::Waveform;
@@ -204,7 +204,11 @@ impl<'a> ErrorSampler<'a> {
             pulses,
             unit,
             memory: generator.workspace(),
-            tiles: generator.tile_work(Variant::fastest(), None, [fine_surface, true]),
+            tiles: generator.tile_work(
+                Variant::fastest(),
+                None,
+                Fine { surface: fine_surface, shadows: true },
+            ),
             places: Vec::new(),
             channels,
             interval_s: radar.emissions.mean_pri_s(),

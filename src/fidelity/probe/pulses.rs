@@ -4,7 +4,7 @@ use crate::scene::Radar;
 
 /// Longest block, units of pulses.
 pub const LONGEST: u64 = 64;
-/// Units in a second: at less than two of them in an interval between pulses a unit is a pulse.
+/// A unit is as many whole pulses as there are at this rate, and one at least, Hz.
 const UNIT_HZ: f64 = 240.0;
 /// The same for errors that are [`is_coarse`].
 const COARSE_UNIT_HZ: f64 = 110.0;

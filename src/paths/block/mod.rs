@@ -52,6 +52,7 @@ mod phasors;
 pub mod runs;
 pub mod probe;
 mod shadows;
+mod sighting;
 mod slow_time;
 mod supports;
 mod surface;
@@ -99,6 +100,15 @@ use travelling::Part;
 
 /// Tiles that are evaluated to learn what a block returns.
 pub const SAMPLED: usize = 48;
+
+/// What is found as the reference finds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fine {
+    /// The surface at nodes: in f64, and rounded at the end.
+    pub surface: bool,
+    /// Shadows of few facets: from heights that are found anew.
+    pub shadows: bool,
+}
 
 /// Facets met in a block, summed over its pairs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -189,13 +199,12 @@ struct NodeWork {
 
 impl PathGenerator {
     /// Room for tiles; `None` for a scene without sea. Workers of one run may share the borders of their
-    /// blocks; `fine`: with the surface of nodes found in f64, and the shadows of few facets from heights that
-    /// are found anew.
+    /// blocks.
     pub fn tile_work(
         &self,
         variant: Variant,
         borders: Option<Arc<dyn ShareBorders>>,
-        fine: [bool; 2],
+        fine: Fine,
     ) -> Option<Box<TileWork>> {
         let sea = self.sea.as_ref()?;
         let of = &self.radar.tx_polarisation;
@@ -306,7 +315,7 @@ impl SeaPlan {
         channels: &[Vec<u8>],
         interval_s: f64,
         borders: Option<Arc<dyn ShareBorders>>,
-        [fine, exact_shadows]: [bool; 2],
+        fine: Fine,
     ) -> Option<TileWork> {
         let selection = Selection {
             slopes: true,
@@ -317,8 +326,8 @@ impl SeaPlan {
             ..Selection::HEIGHT
         };
         // The wakes are legal: the plan was built with them.
-        let facet_surface = NodeSurface::of(self, selection, fine)?;
-        let maker = Maker::of(self, borders, exact_shadows)?;
+        let facet_surface = NodeSurface::of(self, selection, fine.surface)?;
+        let maker = Maker::of(self, borders, fine.shadows)?;
         let facets = self.patch.len();
         let mechanisms = self.scattering.mechanisms();
         let node = NodeWork {

@@ -34,7 +34,7 @@ use crate::echo::synth::lanes::LaneWork;
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::fidelity::echo_settings::{EchoSettings, block_pulses};
 use crate::paths::block::{
-    Borders, Instants, NODES, PanelWork, Sample, ShareBorders, Sidelobe, Tiers, TileWork, nodes_within,
+    Borders, Fine, Instants, NODES, PanelWork, Sample, ShareBorders, Sidelobe, Tiers, TileWork, nodes_within,
 };
 use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Received, Workspace};
@@ -75,8 +75,7 @@ pub(crate) struct BlockEcho {
     /// The same of wake tiles, if there may be any.
     wake_epochs: Option<usize>,
     sidelobe: Option<Sidelobe>,
-    /// Whether the surface at nodes is found in f64, and shadows of few facets as the reference finds them.
-    fine: [bool; 2],
+    fine: Fine,
     /// What a tile may lack at its supports alone.
     between: Option<f64>,
     /// Power of a facet over the mean below which it is left out.
@@ -192,7 +191,7 @@ impl BlockEcho {
             epochs_per_node: chosen.epochs_per_node,
             wake_epochs: chosen.wake_epochs,
             sidelobe: chosen.sidelobe,
-            fine: [chosen.fine_surface, chosen.exact_shadows],
+            fine: chosen.fine,
             between: chosen.between,
             least_power: chosen.least_power,
             pulses,

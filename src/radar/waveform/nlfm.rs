@@ -42,6 +42,7 @@ use super::table::{self, OVERSAMPLING, POINTS};
 use super::{Waveform, WaveformError};
 use crate::radar::phasor::phasor;
 use crate::scene::radar::{Sweep, Taper};
+use crate::units::GAUSS_16;
 
 /// Largest time-bandwidth product: the table takes some tens of MB.
 pub const MAX_NONLINEAR: f64 = 20_000.0;
@@ -56,19 +57,6 @@ const TERMS: usize = 8;
 const TURN_RAD: f64 = 8.0;
 /// What expansion and quadrature may differ by, of `sqrt(Tc/B)`.
 const APART: f64 = 1e-11;
-
-/// `(node, weight)` of the positive half of Gauss-Legendre's rule with 16 points on [-1, 1] (Abramowitz and
-/// Stegun 25.4).
-const GAUSS: [(f64, f64); 8] = [
-    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
-    (0.281_603_550_779_258_9, 0.182_603_415_044_923_58),
-    (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
-    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
-    (0.755_404_408_355_003, 0.124_628_971_255_533_87),
-    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
-    (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
-    (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
-];
 
 /// A nonlinear sweep of unit amplitude.
 #[derive(Clone, Debug)]
@@ -194,7 +182,7 @@ impl Nlfm {
         let plan = nereus_fft::forward(period);
         let mut sums = vec![Complex64::ZERO; 2 * half + 1];
         let mut values = vec![Complex64::ZERO; period];
-        for (node, weight) in GAUSS.iter().flat_map(|(x, w)| [(-x, *w), (*x, *w)]) {
+        for (node, weight) in GAUSS_16.iter().flat_map(|(x, w)| [(-x, *w), (*x, *w)]) {
             let within = 0.5 * (1.0 + node);
             values.fill(Complex64::ZERO);
             for (k, value) in values.iter_mut().take(pieces).enumerate() {

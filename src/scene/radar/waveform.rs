@@ -79,6 +79,15 @@ impl Waveform {
         }
     }
 
+    /// How fast the frequency of a linear sweep changes, Hz/s, up or down; `None` of all others.
+    pub fn steepness_hz_per_s(&self) -> Option<f64> {
+        match self {
+            Self::Lfm { bandwidth_hz, duration_s, .. } => Some(bandwidth_hz / duration_s),
+            Self::Triangular { bandwidth_hz, duration_s } => Some(2.0 * bandwidth_hz / duration_s),
+            _ => None,
+        }
+    }
+
     /// The kind as recordings and streams name it.
     pub fn kind(&self) -> &'static str {
         match self {

@@ -36,7 +36,7 @@ use num_complex::Complex;
 
 use crate::sea::surface::fields::Real;
 use crate::sea::wake::fault::WakeError;
-use crate::units::is_product_of;
+use crate::units::next_product_of;
 
 /// Cells of the wave-number grid per cell of a critically sampled one, at least.
 pub const OVERSAMPLING: f64 = 1.5;
@@ -88,7 +88,8 @@ struct Axis<T: Real> {
 
 impl<T: Real> Axis<T> {
     fn new(facets: usize, width: usize, beta: f64) -> Self {
-        let cells = smooth(((OVERSAMPLING * facets as f64).ceil() as usize).max(2 * width));
+        let cells =
+            next_product_of(&[2, 3, 5], ((OVERSAMPLING * facets as f64).ceil() as usize).max(2 * width));
         let offset = |i: usize| i as i64 - (facets / 2) as i64;
         Self {
             facets,
@@ -260,9 +261,4 @@ fn kernel_transform(beta: f64, turn: f64) -> f64 {
         sum += cos * (beta * (cos - 1.0)).exp() * (turn * sin).cos();
     }
     2.0 * h * sum
-}
-
-/// The least product of twos, threes and fives that is not below `n`.
-fn smooth(n: usize) -> usize {
-    (n.max(1)..).find(|n| is_product_of(&[2, 3, 5], *n)).unwrap_or(n)
 }
