@@ -142,6 +142,8 @@ pub struct AntennaRecord {
     pub boresight_quat: [f64; 4],
     /// Phase centre by reported position and attitude of the platform and the lever arm as designed, metres.
     pub reported_phase_centre_m: [f64; 3],
+    /// Azimuth and elevation that the encoder of its pedestal reads, degrees; `None` where it does not scan.
+    pub encoder_deg: Option<[f64; 2]>,
 }
 
 impl Default for AntennaRecord {
@@ -150,6 +152,7 @@ impl Default for AntennaRecord {
             phase_centre_m: [0.0; 3],
             boresight_quat: [1.0, 0.0, 0.0, 0.0],
             reported_phase_centre_m: [0.0; 3],
+            encoder_deg: None,
         }
     }
 }

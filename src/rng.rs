@@ -47,6 +47,8 @@ pub enum Room {
     Turbulence = 33,
     /// Radar cross section of a target: index = scan or pulse, part = target.
     TargetFluctuation = 35,
+    /// Readings of an antenna's encoder: index = pulse, part = antenna.
+    Encoder = 36,
     /// Noise of a clock: index = clock, part = step of its series.
     Clock = 34,
     /// Pulses at which the error of an echo is measured.

@@ -293,6 +293,12 @@ impl Antenna {
     fn reported_phase_centre_m<'py>(&self, py: Python<'py>) -> Vector<'py> {
         PyArray1::from_slice(py, &self.0.reported_phase_centre_m)
     }
+
+    /// Azimuth and elevation that the encoder of its pedestal reads, float64 [2], degrees; None if it does not scan.
+    #[getter]
+    fn encoder_deg<'py>(&self, py: Python<'py>) -> Option<Vector<'py>> {
+        self.0.encoder_deg.map(|reading_deg| PyArray1::from_slice(py, &reading_deg))
+    }
 }
 
 #[pymethods]

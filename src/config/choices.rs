@@ -102,8 +102,12 @@ choices! {
 
 values! {
     Curved(bool) { "flat" = false, "curved" = true }
-    // None: bolted to the body.
-    Servo(Option<AimKind>) { "fixed" = None, "at" = Some(AimKind::At), "beside" = Some(AimKind::Beside) }
+    Servo(PointingKind) {
+        "fixed" = PointingKind::Fixed, "at" = PointingKind::At(AimKind::At),
+        "beside" = PointingKind::At(AimKind::Beside), "scan" = PointingKind::Scan, "sector" = PointingKind::Sector
+    }
+    // From which direction a pedestal counts, and by what it is kept level.
+    ScanFrom(bool) { "nose" = false, "north" = true }
     Followed(AimKind) { "beside" = AimKind::Beside, "point" = AimKind::At }
     // Wind at 20 ft, m/s.
     GustLevel(f64) { "light" = LEVELS_MPS[0], "moderate" = LEVELS_MPS[1], "severe" = LEVELS_MPS[2] }
@@ -118,6 +122,18 @@ values! {
     Alignment(f64) { "fsa" = 1.0, "bsa" = -1.0 }
     // Whether the pacer goes ahead of all else.
     PacerAhead(bool) { "realtime" = true, "normal" = false }
+}
+
+/// How an antenna points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PointingKind {
+    /// Bolted to the body.
+    Fixed,
+    At(AimKind),
+    /// A pedestal that turns without end.
+    Scan,
+    /// One that goes to and fro.
+    Sector,
 }
 
 /// Where a track comes from.

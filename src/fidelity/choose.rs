@@ -116,6 +116,12 @@ impl<'a> Chooser<'a> {
         Ok(if is_better { fine } else { plan })
     }
 
+    /// Pulses of the run and their power by channel, and the mean over the run, in one unit, the strongest
+    /// first; empty where no antenna scans.
+    pub fn scanned(&self) -> (&[(u64, Vec<f64>)], &[f64]) {
+        (self.sampler.scanned(), self.sampler.power())
+    }
+
     fn choose_by(&mut self, asked: &Asked, fine_surface: bool) -> Result<Plan, PlanError> {
         let Self { scene, generator, waveform, .. } = *self;
         if given(asked, fine_surface) == self.given {

@@ -21,6 +21,9 @@
 //! `A = C_true(t) C_known(t - lag)^-1 A*(t - lag) B`, with the bias `B` (azimuth towards `+y_a`, then
 //! elevation towards `+z_a`). So an error of the reported attitude moves the beam by that very angle.
 //!
+//! **Pedestal.** A scanning antenna is a mount whose yaw and pitch follow [`scan`]; one that is kept level is
+//! that mount on a body that is level and heads North, turned into angles and back like a servo's.
+//!
 //! ```
 //! use nereus::frames::{Point, Rotation, Vector};
 //! use nereus::motion::pointing::towards;
@@ -34,8 +37,9 @@ use glam::{DQuat, DVec3};
 
 use crate::frames::{Antenna, Body, Enu, Point, Rotation, SceneFrame, Vector};
 use crate::motion::PlatformTracks;
+use crate::motion::scan;
 use crate::motion::track::{State, TrackError};
-use crate::scene::radar::{Aim, AimFrom, AntennaMount, Pointing};
+use crate::scene::radar::{Aim, AimFrom, AntennaMount, Pointing, Scan};
 use crate::time::TimeTag;
 
 /// Sine of the angle to the vertical below which a boresight has no azimuth of its own.
@@ -133,6 +137,14 @@ impl Surroundings<'_> {
                 let from = PhaseCentre::of(&known, mount.lever_arm).position;
                 let axes = towards(from, target, known.attitude).then(known.attitude.inverse());
                 Ok(bias(*bias_rad).then(axes).then(true_attitude))
+            }
+            Pointing::Scan(Scan { law, level_by, .. }) => {
+                let [az_rad, el_rad] = scan::direction(law, t.since(self.start));
+                let pedestal = fixed_mount(az_rad, el_rad, 0.0);
+                let Some(from) = level_by else { return Ok(pedestal.then(true_attitude)) };
+                let known = self.tracks[mount.platform].known(*from).state(t)?;
+                let level = Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0);
+                Ok(pedestal.then(level).then(known.attitude.inverse()).then(true_attitude))
             }
         }
     }

@@ -19,7 +19,7 @@ use crate::radar::fault::TrackUse;
 use crate::radar::polarisation::{Axes, PortBasis};
 use crate::scattering::target::{Scatterer, fluctuation};
 use crate::scene::Target;
-use crate::scene::radar::{AntennaMount, Pair, Pointing, PolarisationBasis, Radar};
+use crate::scene::radar::{AntennaMount, Pair, PolarisationBasis, Radar};
 use crate::scene::target::Swerling;
 use crate::time::TimeTag;
 
@@ -303,10 +303,7 @@ fn axes(of: &Circumstances, mount: &AntennaMount, now: &State, t: TimeTag) -> Re
 }
 
 fn known_track(mount: &AntennaMount) -> TrackUse {
-    match mount.pointing {
-        Pointing::At { aim_from, .. } => aim_from.into(),
-        Pointing::Fixed { .. } => TrackUse::Truth,
-    }
+    mount.pointing.steering().map_or(TrackUse::Truth, |by| by.from.into())
 }
 
 fn failed(platform: usize, which: TrackUse) -> impl Fn(TrackError) -> TrackFailure {

@@ -12,7 +12,7 @@ use crate::motion::changes::Change;
 use crate::radar::fault::mounts;
 use crate::radar::window::Window;
 use crate::scene::Radar;
-use crate::scene::radar::{AimFrom, Gate, Pointing};
+use crate::scene::radar::{AimFrom, Gate};
 use crate::time::TimeTag;
 
 /// Times nearer than this are taken for the same, s: pulses are a nanosecond apart at least.
@@ -27,9 +27,9 @@ pub(super) fn report_steered(radar: &Radar) -> Vec<(usize, f64)> {
         }
     };
     for (_, mount) in mounts(radar) {
-        if let Pointing::At { aim, aim_from: AimFrom::Reported, lag_s, .. } = &mount.pointing {
-            note(Some(mount.platform), *lag_s);
-            note(beside(aim), *lag_s);
+        if let Some(by) = mount.pointing.steering().filter(|by| by.from == AimFrom::Reported) {
+            note(Some(mount.platform), by.lag_s);
+            note(by.aim.and_then(beside), by.lag_s);
         }
     }
     for pair in radar.window_leads() {

@@ -224,26 +224,27 @@ impl PathGenerator {
         }
     }
 
+    /// Whether an antenna scans.
+    pub fn scans(&self) -> bool {
+        mounts(&self.radar).any(|(_, mount)| matches!(mount.pointing, Pointing::Scan(_)))
+    }
+
     /// Whether an antenna is aimed by a report that jumps: gains then jump as well, at any pulse.
     pub fn aim_jumps(&self) -> bool {
-        mounts(&self.radar).any(|(_, mount)| match &mount.pointing {
-            Pointing::At { aim, aim_from: AimFrom::Reported, .. } => {
-                let known = [Some(mount.platform), beside(aim)];
-                known.into_iter().flatten().any(|platform| self.tracks[platform].reported.jumps())
-            }
-            _ => false,
+        mounts(&self.radar).any(|(_, mount)| {
+            let by = mount.pointing.steering().filter(|by| by.from == AimFrom::Reported);
+            let known = by.map(|by| [Some(mount.platform), by.aim.and_then(beside)]);
+            known.into_iter().flatten().flatten().any(|platform| self.tracks[platform].reported.jumps())
         })
     }
 
     /// The longest servo lag with which a track is asked, s.
     fn looks_back_s(&self, platform: usize, which: TrackUse) -> f64 {
         mounts(&self.radar)
-            .filter_map(|(_, mount)| match &mount.pointing {
-                Pointing::At { aim, aim_from, lag_s, .. } => {
-                    let asked = mount.platform == platform || beside(aim) == Some(platform);
-                    (asked && TrackUse::from(*aim_from) == which).then_some(*lag_s)
-                }
-                Pointing::Fixed { .. } => None,
+            .filter_map(|(_, mount)| {
+                let by = mount.pointing.steering()?;
+                let asked = mount.platform == platform || by.aim.and_then(beside) == Some(platform);
+                (asked && TrackUse::from(by.from) == which).then_some(by.lag_s)
             })
             .fold(0.0, f64::max)
     }

@@ -7,12 +7,13 @@ use glam::{DMat3, DQuat};
 use super::{PathGenerator, beside};
 use crate::geometry::light_time::{LightTime, bistatic};
 use crate::motion::pointing::PhaseCentre;
+use crate::motion::scan;
 use crate::motion::track::State;
 use crate::paths::emission::{Emission, TrackFailure};
 use crate::pulse::{PlatformRecord, Pulse};
 use crate::radar::fault::{RadarError, TrackUse, mounts};
 use crate::radar::window::Window;
-use crate::scene::radar::{AntennaMount, Gate, Polarisation};
+use crate::scene::radar::{AntennaMount, Gate, Pointing, Polarisation, Scan};
 use crate::time::TimeTag;
 
 impl PathGenerator {
@@ -59,6 +60,11 @@ impl PathGenerator {
         for (antenna, (slot, centre)) in record.antennas.iter_mut().zip(&own.centres).enumerate() {
             slot.phase_centre_m = centre.position.to_array();
             slot.boresight_quat = quaternion(&own.axes(antenna));
+        }
+        for (antenna, (slot, (_, mount))) in record.antennas.iter_mut().zip(mounts(&self.radar)).enumerate() {
+            let Pointing::Scan(Scan { law, encoder, .. }) = &mount.pointing else { continue };
+            let points = scan::direction(law, t.since(self.start));
+            slot.encoder_deg = Some(scan::reading_deg(encoder, points, self.seed, (index, antenna)));
         }
         let (pairs, targets) = (self.pairs.len(), self.targets.len());
         for pair in 0..pairs {

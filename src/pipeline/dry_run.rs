@@ -94,7 +94,8 @@ fn plan(
         Ok::<_, BuildErrors>(Plan { asked: *asked, prediction, ..plan })
     };
     let first = choose(chooser, asked.error_db, asked.node_pulses)?;
-    let chosen = Chosen::of(scene, generator, first.chosen.block_pulses(generator.hold_pulses()));
+    let block = first.chosen.block_pulses(generator.hold_pulses());
+    let chosen = Chosen::of(scene, generator, block, chooser.scanned());
     let exact = asked.node_pulses.map_or(asked.error_db <= EXACT_DB, |pulses| pulses <= 1);
     if exact || (chosen.pulses.len() as u64) < LEAST_PULSES {
         return Ok(first);
@@ -159,15 +160,35 @@ struct Chosen {
     /// Those of them that are spread over the run.
     spread: Vec<bool>,
     all: bool,
+    /// Where an antenna scans, power by channel of these pulses in the mean, over that of all of the run.
+    over_run: Option<Vec<f64>>,
 }
 
 impl Chosen {
-    fn of(scene: &Scene, generator: &PathGenerator, block: u64) -> Self {
+    fn of(
+        scene: &Scene,
+        generator: &PathGenerator,
+        block: u64,
+        (scanned, of_run): (&[(u64, Vec<f64>)], &[f64]),
+    ) -> Self {
         let each = (generator.facets() * generator.pairs().len()) as u64;
         let count = FACET_PULSES.checked_div(each).unwrap_or(0);
         let all = generator.receiving_pulses();
         if all <= count {
-            return Self { pulses: (0..all).collect(), spread: vec![true; all as usize], all: true };
+            let spread = vec![true; all as usize];
+            return Self { pulses: (0..all).collect(), spread, all: true, over_run: None };
+        }
+        // A beam that is seldom on the patch: the strongest of many that were looked at.
+        if !scanned.is_empty() {
+            let mut strongest = scanned[..scanned.len().min(count as usize)].to_vec();
+            strongest.sort_unstable_by_key(|(index, _)| *index);
+            let mean = |channel: usize| {
+                strongest.iter().map(|(_, power)| power[channel]).sum::<f64>() / strongest.len().max(1) as f64
+            };
+            let over = |(channel, of_run): (usize, &f64)| mean(channel) / of_run.max(f64::MIN_POSITIVE);
+            let over_run = of_run.iter().enumerate().map(over).collect();
+            let pulses: Vec<u64> = strongest.iter().map(|(index, _)| *index).collect();
+            return Self { spread: vec![true; pulses.len()], pulses, all: false, over_run: Some(over_run) };
         }
         // Half of them all over the run; a block at its begin, and its end, where the last block is cut
         // short.
@@ -176,7 +197,7 @@ impl Chosen {
         let ends = (count / 4).min(block);
         let pulses: BTreeSet<u64> = spread.iter().copied().chain(0..ends).chain(all - ends..all).collect();
         let of_run = pulses.iter().map(|pulse| spread.contains(pulse)).collect();
-        Self { pulses: pulses.into_iter().collect(), spread: of_run, all: false }
+        Self { pulses: pulses.into_iter().collect(), spread: of_run, all: false, over_run: None }
     }
 }
 
@@ -216,6 +237,9 @@ impl<'a> Trial<'a> {
         let spread = samples.iter().zip(&trial.chosen.spread).filter(|(_, spread)| **spread);
         let found: Vec<Vec<f64>> = spread.map(|(pulse, _)| powers(pulse, channels)).collect();
         trial.means = (0..channels).map(|channel| mean_of(&found, channel)).collect();
+        for (mean, over) in trial.means.iter_mut().zip(trial.chosen.over_run.iter().flatten()) {
+            *mean /= over.max(f64::MIN_POSITIVE);
+        }
         // Of blocks of samples few may receive anything, and none of those spread over the run.
         if generator.is_apart() && trial.means.contains(&0.0) {
             return Ok(None);

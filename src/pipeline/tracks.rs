@@ -7,7 +7,6 @@ use crate::motion::{PlatformTracks, SourceReport, Track};
 use crate::nav::TrackSource;
 use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::scene::Scene;
-use crate::scene::radar::Pointing;
 
 /// How a platform's track was made from its source.
 #[derive(Clone, Debug)]
@@ -94,6 +93,6 @@ fn servo_lag_s(scene: &Scene) -> f64 {
     let pointings = scene.radar.transmitters.iter().map(|t| &t.antenna.pointing);
     pointings
         .chain(scene.radar.receivers.iter().map(|r| &r.antenna.pointing))
-        .map(|pointing| if let Pointing::At { lag_s, .. } = pointing { *lag_s } else { 0.0 })
+        .filter_map(|pointing| Some(pointing.steering()?.lag_s))
         .fold(0.0, f64::max)
 }

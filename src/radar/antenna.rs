@@ -80,6 +80,18 @@ impl Antenna {
         !matches!(self, Self::Grid(_))
     }
 
+    /// Full sides along y and z in wavelengths: over direction cosines, a field gain has no more cycles a unit
+    /// than half of them. Zero where it is the same everywhere, and of a measured pattern.
+    pub fn sides_wavelengths(&self) -> [f64; 2] {
+        match *self {
+            Self::Isotropic { .. } | Self::Grid(_) => [0.0; 2],
+            Self::Rectangle { width_m, height_m, wavelength_m }
+            | Self::Ellipse { width_m, height_m, wavelength_m } => {
+                [width_m, height_m].map(|m| m / wavelength_m)
+            }
+        }
+    }
+
     /// Field gain towards a unit direction in the antenna frame.
     pub fn field_gain(&self, direction: Vector<frames::Antenna>) -> Complex64 {
         let d = direction.raw();

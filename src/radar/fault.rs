@@ -16,7 +16,7 @@ use crate::geometry::shadow::ShadowError;
 use crate::motion::track::TrackError;
 use crate::radar::pattern::PatternError;
 use crate::scattering::water::WaterError;
-use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, Pointing, TxPolarisation};
+use crate::scene::radar::{Aim, AimFrom, AntennaMount, Gate, TxPolarisation};
 use crate::scene::sea::PatchPlace;
 use crate::scene::{Radar, Scene};
 use crate::sea::fleet::FleetError;
@@ -309,7 +309,7 @@ pub(crate) fn check_references(scene: &Scene, tracks: usize, faults: &mut Vec<Ra
     for (name, mount) in mounts(radar) {
         let place = || format!("antenna '{name}'");
         check(&place, "platform", mount.platform, platforms);
-        if let Pointing::At { aim: Aim::Beside { platform, .. }, .. } = &mount.pointing {
+        if let Some(Aim::Beside { platform, .. }) = mount.pointing.steering().and_then(|by| by.aim) {
             check(&place, "platform", *platform, platforms);
         }
     }

@@ -122,6 +122,8 @@ pub(super) struct Assembly {
     header: Header,
     /// Platform and lever arm of every antenna.
     arms: Vec<(usize, Vector<Body>)>,
+    /// Antennas that scan, whose encoders are read in every state.
+    scanning: Vec<usize>,
     open: VecDeque<Open>,
     most: usize,
     free: Vec<Open>,
@@ -194,6 +196,7 @@ impl Assembly {
         Self {
             header: header.clone(),
             arms: arms.collect(),
+            scanning: header.scanning().collect(),
             open: VecDeque::new(),
             most: (OPEN_SAMPLES / total).clamp(2, OPEN_PULSES),
             free: Vec::new(),
@@ -289,10 +292,13 @@ impl Assembly {
     ) -> Taken {
         let first_ps = time_ps + (state.window_start_s * SECOND_PS as f64).round() as i128;
         let [platform, of] = state.platform;
-        let windows = state.receiver_window_start_s.get(..self.header.layout.windows);
+        let windows = state.additions.get(..self.header.layout.windows);
+        let readings = state.additions.get(self.header.layout.windows..);
+        let read = readings.and_then(|all| all.get(..2 * self.scanning.len()));
         if platform >= of
             || of as usize != self.header.layout.platforms
             || !windows.is_some_and(|windows| windows.iter().all(is_near))
+            || !read.is_some_and(|read| read.iter().all(|deg| deg.is_finite()))
         {
             return Taken::Stray;
         }
@@ -326,7 +332,7 @@ impl Assembly {
         if !open.agrees(state) {
             return Taken::Misnumbered;
         }
-        open.state(state, &self.arms);
+        open.state(state, &self.arms, &self.scanning);
         self.track.here(time_ps);
         if !self.receivers.is_empty() {
             self.place_windows(place, time_ps);

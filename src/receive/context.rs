@@ -222,9 +222,10 @@ pub struct State {
     pub ecef_velocity_mps: [f64; 3],
     /// Body to ECEF.
     pub ecef_attitude_quat: [f64; 4],
-    /// First sample of every receiver after the emission, s, where receivers have windows of their own;
-    /// behind them what later versions add.
-    pub receiver_window_start_s: Vec<f64>,
+    /// What is added: the first sample of every receiver after the emission, s, where receivers have windows of
+    /// their own; azimuth and elevation that the encoder of every antenna that scans reads, degrees; behind
+    /// them what later versions add.
+    pub additions: Vec<f64>,
 }
 
 impl State {
@@ -331,13 +332,11 @@ fn state(words: &mut Words<'_>) -> Result<State, Malformed> {
         ecef_position_m: words.f64s()?,
         ecef_velocity_mps: words.f64s()?,
         ecef_attitude_quat: words.f64s()?,
-        receiver_window_start_s: Vec::new(),
+        additions: Vec::new(),
     };
     // As many as the run says; later versions may add more.
-    while let (true, Ok(start_s)) =
-        (state.receiver_window_start_s.len() < radar::ANTENNAS as usize, words.f64())
-    {
-        state.receiver_window_start_s.push(start_s);
+    while let (true, Ok(value)) = (state.additions.len() < 3 * radar::ANTENNAS as usize, words.f64()) {
+        state.additions.push(value);
     }
     if !is_near(&window_start_s) {
         return Err(Malformed::Value("a window so far from its pulse"));

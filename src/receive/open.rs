@@ -112,21 +112,27 @@ impl Open {
         let Pulse { index, time, window_start_s, ref receiver_window_start_s, .. } = *self.pulse;
         let named = (index, time, window_start_s.to_bits());
         let same = |(one, other): (&f64, &f64)| one.to_bits() == other.to_bits();
-        let starts_s = receiver_window_start_s.iter().zip(&state.receiver_window_start_s);
+        let starts_s = receiver_window_start_s.iter().zip(&state.additions);
         !self.known
             || (named == (state.index, state.time(), state.window_start_s.to_bits()) && { starts_s }
                 .all(same))
     }
 
-    /// Takes a state; `arms` are platform and lever arm of every antenna.
-    pub(super) fn state(&mut self, state: &State, arms: &[(usize, Vector<Body>)]) {
+    /// Takes a state; `arms` are platform and lever arm of every antenna, `scanning` those that scan.
+    pub(super) fn state(&mut self, state: &State, arms: &[(usize, Vector<Body>)], scanning: &[usize]) {
         let pulse = &mut *self.pulse;
         if !self.known {
             pulse.index = state.index;
             pulse.time = state.time();
             pulse.window_start_s = state.window_start_s;
-            let starts_s = pulse.receiver_window_start_s.iter_mut().zip(&state.receiver_window_start_s);
+            let starts_s = pulse.receiver_window_start_s.iter_mut().zip(&state.additions);
             starts_s.for_each(|(to, start_s)| *to = *start_s);
+            let readings = state.additions.get(pulse.receiver_window_start_s.len()..).unwrap_or_default();
+            for (antenna, reading_deg) in scanning.iter().zip(readings.as_chunks::<2>().0) {
+                if let Some(antenna) = pulse.antennas.get_mut(*antenna) {
+                    antenna.encoder_deg = Some(*reading_deg);
+                }
+            }
             pulse.flags = state.flags;
             pulse.tx_pol = state.tx_pol;
             self.known = true;

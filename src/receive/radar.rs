@@ -95,7 +95,7 @@ fn optional(words: &mut Words<'_>) -> Result<Option<f64>, Malformed> {
 
 fn aimed(words: &mut Words<'_>) -> Result<Aimed, Malformed> {
     let (kind, platform) = (words.u32()?, words.u32()?);
-    if kind > 2 {
+    if kind > 3 {
         return Err(Malformed::Value("such a place to look at"));
     }
     Ok(Aimed { kind, platform, numbers: finite(words)? })
@@ -248,6 +248,12 @@ impl Aimed {
         Some(match self.kind {
             0 => Look::Body { yaw_rad: a, pitch_rad: b, roll_rad: c },
             1 => Look::Point { position_m: [a, b, c], velocity_mps: [d, e, f] },
+            3 => Look::Scan {
+                level: self.platform != 0,
+                rate_deg_per_s: a,
+                sector_deg: [b, c],
+                elevation_deg: d,
+            },
             _ => Look::Beside {
                 platform: (*platforms.get(self.platform as usize)?).clone(),
                 along_m: a,

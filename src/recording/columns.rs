@@ -67,6 +67,8 @@ fn column(description: &'static Description, header: &Header, at: usize, name: &
         "ship" => layout.ships,
         "receiver" => layout.windows,
         "w-x-y-z" => 4,
+        "azimuth-elevation" if header.scans(at) => 2,
+        "azimuth-elevation" => 0,
         _ => 3,
     };
     let shape: Vec<usize> = description.axes.split(", ").skip(1).map(size).collect();

@@ -80,7 +80,7 @@ const NONE: &str = "none";
 
 /// Every dataset that a recording may have.
 #[rustfmt::skip]
-pub static DESCRIPTIONS: [Description; 35] = [
+pub static DESCRIPTIONS: [Description; 36] = [
     row("iq", ["pulse, channel, sample", "sqrt(W)", NONE,
         "samples at the receiver's port, complex baseband"],
         Each(Element::Cf32, |pulse, _| Values::Samples(&pulse.samples))),
@@ -138,6 +138,9 @@ pub static DESCRIPTIONS: [Description; 35] = [
     row("nav/<antenna>/reported_phase_centre_m", [VECTOR, "m", ENU,
         "phase centre by the reported position and attitude and the lever arm as designed"],
         Each(Element::F64, |pulse, at| of(pulse.antennas.get(at), |row| Values::Reals(&row.reported_phase_centre_m)))),
+    row("nav/<antenna>/encoder_deg", ["pulse, azimuth-elevation", "deg", "the pedestal's",
+        "reading of the encoder of an antenna that scans: from North and the horizontal plane, or from nose and deck (look)"],
+        Each(Element::F64, |pulse, at| of(pulse.antennas.get(at), |row| Values::Reals(row.encoder_deg.as_slice().as_flattened())))),
     row("truth/delay_s", ["pulse, pair, target", "s", NONE,
         "propagation delay transmitter-target-receiver, whether or not it is illuminated"],
         Each(Element::F64, |pulse, _| Values::Reals(&pulse.target_delay_s))),

@@ -440,6 +440,17 @@ impl Header {
         self.instrument.as_ref().map_or(&[], |instrument| &instrument.emitters)
     }
 
+    /// Antennas that scan, by their places among all, rising.
+    pub fn scanning(&self) -> impl Iterator<Item = usize> {
+        let antennas = self.instrument.iter().flat_map(|instrument| &instrument.antennas).enumerate();
+        antennas.filter(|(_, row)| matches!(row.look, Look::Scan { .. })).map(|(place, _)| place)
+    }
+
+    /// Whether an antenna scans, so that an encoder is read at each pulse.
+    pub(crate) fn scans(&self, antenna: usize) -> bool {
+        self.scanning().any(|place| place == antenna)
+    }
+
     /// Names of the antennas in the order of the phase centres.
     pub fn antennas(&self) -> impl Iterator<Item = &str> {
         self.transmitters.iter().chain(&self.receivers).map(String::as_str)

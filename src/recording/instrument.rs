@@ -19,8 +19,8 @@ use crate::frames::{Body, Vector};
 use crate::radar::filter::ReceiveFilter;
 use crate::scene::Scene;
 use crate::scene::radar::{
-    Aim, AntennaMount, Emitter, Gate, Pattern, Pointing, PolarisationBasis, Receiver, Sweep, Transmitter,
-    Waveform,
+    Aim, AntennaMount, Emitter, Gate, Pattern, Pointing, PolarisationBasis, Receiver, Scan, ScanLaw, Sweep,
+    Transmitter, Waveform,
 };
 use crate::scene::sea::PatchPlace;
 
@@ -184,6 +184,18 @@ pub enum Look {
         /// To starboard, m.
         across_m: f64,
     },
+    /// Wherever a pedestal turns it: [`encoder_deg`](crate::pulse::AntennaRecord::encoder_deg) of each pulse.
+    Scan {
+        /// Whether azimuth and elevation are those from North and the horizontal plane; else from the
+        /// platform's nose and deck.
+        level: bool,
+        /// Rate, deg/s, clockwise from above; of a sector, that within a sweep.
+        rate_deg_per_s: f64,
+        /// Azimuths between which it goes to and fro, deg; both 0: it turns without end.
+        sector_deg: [f64; 2],
+        /// Elevation, of the first sweep, deg.
+        elevation_deg: f64,
+    },
 }
 
 impl Default for Look {
@@ -209,6 +221,24 @@ impl Look {
     fn of(pointing: &Pointing, platforms: &[String]) -> Self {
         match pointing {
             Pointing::At { aim, .. } => Self::at(aim, platforms),
+            Pointing::Scan(Scan { law, level_by, .. }) => {
+                let level = level_by.is_some();
+                let (rate, sector, elevation) = match law {
+                    ScanLaw::Rotation { rate_rad_per_s, elevation_rad, .. } => {
+                        (*rate_rad_per_s, [0.0; 2], *elevation_rad)
+                    }
+                    ScanLaw::Sector { from_rad, to_rad, rate_rad_per_s, elevations_rad, .. } => {
+                        let first = elevations_rad.first().copied().unwrap_or(0.0);
+                        (*rate_rad_per_s, [*from_rad, *to_rad], first)
+                    }
+                };
+                Self::Scan {
+                    level,
+                    rate_deg_per_s: rate.to_degrees(),
+                    sector_deg: sector.map(f64::to_degrees),
+                    elevation_deg: elevation.to_degrees(),
+                }
+            }
             Pointing::Fixed { yaw_rad, pitch_rad, roll_rad } => {
                 Self::Body { yaw_rad: *yaw_rad, pitch_rad: *pitch_rad, roll_rad: *roll_rad }
             }
@@ -221,6 +251,9 @@ impl Look {
             Self::Body { yaw_rad, pitch_rad, roll_rad } => [*yaw_rad, *pitch_rad, *roll_rad, 0.0, 0.0, 0.0],
             Self::Point { position_m: [x, y, z], velocity_mps: [vx, vy, vz] } => [*x, *y, *z, *vx, *vy, *vz],
             Self::Beside { along_m, across_m, .. } => [*along_m, *across_m, 0.0, 0.0, 0.0, 0.0],
+            Self::Scan { rate_deg_per_s, sector_deg: [from, to], elevation_deg, .. } => {
+                [*rate_deg_per_s, *from, *to, *elevation_deg, 0.0, 0.0]
+            }
         }
     }
 }

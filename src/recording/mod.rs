@@ -408,6 +408,16 @@ impl Recording {
         Ok(values.as_chunks::<4>().0.get(self.rows.start + pulse).copied().unwrap_or([f64::NAN; 4]))
     }
 
+    /// Azimuth and elevation that the encoder of an antenna reads at a pulse in use, rad.
+    ///
+    /// # Errors
+    /// An antenna without that column: one that does not scan.
+    pub(crate) fn encoder_rad(&self, antenna: &str, pulse: usize) -> Result<[f64; 2], RecordingError> {
+        let (_, values) = self.column(&format!("nav/{antenna}/encoder_deg"))?;
+        let reading_deg = values.as_chunks::<2>().0.get(self.rows.start + pulse);
+        Ok(reading_deg.copied().unwrap_or([f64::NAN; 2]).map(f64::to_radians))
+    }
+
     /// True delays of a target of a pair in the pulses in use, s; none where the recording has none.
     pub fn delays_s(&self, transmitter: &str, receiver: &str, target: usize) -> Option<Vec<f64>> {
         let pair = self

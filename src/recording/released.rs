@@ -49,11 +49,13 @@ impl Recording {
                 };
             }
         }
-        for (antenna, name) in slot.antennas.iter_mut().zip(self.header.antennas()) {
+        for (number, name) in self.header.antennas().enumerate() {
+            let Some(antenna) = slot.antennas.get_mut(number) else { continue };
             let at = |what: &str| format!("nav/{name}/{what}");
             antenna.phase_centre_m = self.values(&at("phase_centre_m"), row);
             antenna.boresight_quat = self.values(&at("boresight_quat"), row);
             antenna.reported_phase_centre_m = self.values(&at("reported_phase_centre_m"), row);
+            antenna.encoder_deg = self.header.scans(number).then(|| self.values(&at("encoder_deg"), row));
         }
         self.fill("truth/delay_s", row, &mut slot.target_delay_s);
         self.fill("truth/doppler_hz", row, &mut slot.target_doppler_hz);

@@ -1,13 +1,15 @@
 //! The instrument, as described: transmitters, receivers, channels, waveform, windows.
 
+mod pointing;
 mod waveform;
 
 use std::path::PathBuf;
 
-use crate::frames::{Body, Enu, Point, Vector};
+use crate::frames::{Body, Vector};
 use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
 
+pub use pointing::{Aim, AimFrom, Encoder, Pointing, Scan, ScanLaw, Steering};
 pub use waveform::{Code, Dechirp, Sweep, Taper, Waveform};
 
 /// The radar: every emission and every receive window of a run.
@@ -446,64 +448,6 @@ impl PolarisationBasis {
             Self::Ludwig3 => "ludwig-3",
         }
     }
-}
-
-/// Where an antenna points.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Pointing {
-    /// Bolted to the body: yaw, pitch, roll of the antenna frame relative to the body, radians.
-    Fixed {
-        /// Rotation about body z (down): positive turns the boresight to starboard.
-        yaw_rad: f64,
-        /// Rotation about the new y: positive raises the boresight.
-        pitch_rad: f64,
-        /// Rotation about the boresight.
-        roll_rad: f64,
-    },
-    /// A servo keeps the boresight on an aim point.
-    At {
-        /// The aim point.
-        aim: Aim,
-        /// Which tracks the servo knows.
-        aim_from: AimFrom,
-        /// The servo acts on what was known this long ago, s.
-        lag_s: f64,
-        /// Constant misalignment about the antenna's z (azimuth) and y (elevation) axes, radians.
-        bias_rad: [f64; 2],
-    },
-}
-
-/// A point on the surface that an antenna or a receive window follows.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Aim {
-    /// A point that moves on a straight line (position at pulse 0).
-    Point {
-        /// Position at the emission of pulse 0.
-        position: Point<Enu>,
-        /// Velocity, m/s.
-        velocity: Vector<Enu>,
-    },
-    /// A point of the mean sea surface beside a platform, in axes along its horizontal velocity.
-    Beside {
-        /// Index of the platform.
-        platform: usize,
-        /// Metres ahead along the ground track.
-        along_m: f64,
-        /// Metres to starboard of the ground track (negative: to port).
-        across_m: f64,
-    },
-}
-
-/// Which trajectory a servo or a receive window acts on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum AimFrom {
-    /// What the platform reports.
-    Reported,
-    /// Where the platform is.
-    True,
 }
 
 /// Analogue-to-digital converter, mid-rise, I and Q separately, saturating.

@@ -9,7 +9,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
-use crate::pulse::{PlatformRecord, Pulse, SampleFormat};
+use crate::pulse::{AntennaRecord, PlatformRecord, Pulse, SampleFormat};
 use crate::recording::header::Header;
 
 /// Version of these texts, and of what stands beside them: key `version`.
@@ -87,6 +87,28 @@ struct PulseText<'a> {
     adc_step: Option<f64>,
     source: u64,
     platforms: States<'a>,
+    #[serde(skip_serializing_if = "Readings::is_empty")]
+    encoder_deg: Readings<'a>,
+}
+
+/// What the encoder of every antenna that scans reads, `[azimuth, elevation]`, in the order of the run.
+#[derive(Debug)]
+struct Readings<'a>(&'a [AntennaRecord]);
+
+impl Readings<'_> {
+    fn of(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.0.iter().filter_map(|antenna| antenna.encoder_deg)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.of().next().is_none()
+    }
+}
+
+impl Serialize for Readings<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.of())
+    }
 }
 
 /// What every platform reports.
@@ -138,6 +160,7 @@ pub fn write_pulse(out: &mut Vec<u8>, header: &Header, source: u64, pulse: &Puls
         adc_step: header.adc.map(|adc| adc.step),
         source,
         platforms: States { names: &header.platforms, records: &pulse.nav_reported },
+        encoder_deg: Readings(&pulse.antennas),
     };
     // Numbers and texts into memory: nothing of it can fail.
     let _ = serde_json::to_writer(out, &text);

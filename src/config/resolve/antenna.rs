@@ -1,12 +1,15 @@
 //! Antennas: where they sit, what they look like, where they point; and aim points.
 
+use std::f64::consts::TAU;
+
 use super::place::{self, SurfaceKeys};
 use super::{Ground, Names};
-use crate::config::choices::{AimKind, PatternKind, Servo};
+use crate::config::choices::{AimKind, PatternKind, PointingKind, ScanFrom, Servo};
+use crate::config::error::Problem;
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
 use crate::frames::Vector;
-use crate::scene::radar::{Aim, AntennaMount, Pattern, Pointing};
+use crate::scene::radar::{Aim, AntennaMount, Encoder, Pattern, Pointing, Scan, ScanLaw};
 
 /// The keys that transmitters and receivers share.
 pub(super) struct MountKeys {
@@ -118,7 +121,7 @@ fn sides(section: &Section<'_>, width: &'static Key, height: &'static Key) -> Op
 fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<Pointing> {
     use keys::pointing as k;
     let pointing = match section.choice(&k::KIND) {
-        Some(Servo(None)) => {
+        Some(Servo(PointingKind::Fixed)) => {
             let [yaw, pitch, roll] =
                 [&k::YAW_DEG, &k::PITCH_DEG, &k::ROLL_DEG].map(|key| section.number(key));
             yaw.zip(pitch).zip(roll).map(|((yaw, pitch), roll)| Pointing::Fixed {
@@ -127,7 +130,7 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
                 roll_rad: roll.to_radians(),
             })
         }
-        Some(Servo(Some(kind))) => {
+        Some(Servo(PointingKind::At(kind))) => {
             let keys = aim_keys!(pointing);
             let aim = aim(&section, kind, &keys, ground, platforms);
             let aim_from = section.choice(&k::AIM_FROM);
@@ -137,10 +140,69 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
                 Pointing::At { aim, aim_from, lag_s, bias_rad: [az.to_radians(), el.to_radians()] }
             })
         }
+        Some(Servo(PointingKind::Scan)) => {
+            let [rpm, start, elevation] =
+                [&k::RPM, &k::START_DEG, &k::ELEVATION_DEG].map(|key| section.number(key));
+            scan(
+                &section,
+                rpm.zip(start).zip(elevation).map(|((rpm, start), elevation)| ScanLaw::Rotation {
+                    rate_rad_per_s: rpm / 60.0 * TAU,
+                    start_rad: start.to_radians(),
+                    elevation_rad: elevation.to_radians(),
+                }),
+            )
+        }
+        Some(Servo(PointingKind::Sector)) => {
+            let law = sector(&section);
+            scan(&section, law)
+        }
         None => None,
     };
     section.finish();
     pointing
+}
+
+fn sector(section: &Section<'_>) -> Option<ScanLaw> {
+    use keys::pointing as k;
+    let [from, to, rate, turn] =
+        [&k::FROM_DEG, &k::TO_DEG, &k::RATE_DEG_S, &k::TURN_MS].map(|key| section.number(key));
+    let elevations =
+        if section.has(&k::ELEVATIONS_DEG) { section.numbers(&k::ELEVATIONS_DEG) } else { Some(vec![0.0]) };
+    if from.is_some() && from == to {
+        let found = format!("{:?}", to.unwrap_or_default());
+        section.fault(
+            &k::TO_DEG,
+            Problem::Range { found, allowed: "an azimuth other than from_deg".to_owned() },
+        );
+        return None;
+    }
+    Some(ScanLaw::Sector {
+        from_rad: from?.to_radians(),
+        to_rad: to?.to_radians(),
+        rate_rad_per_s: rate?.to_radians(),
+        turn_s: turn? / 1e3,
+        elevations_rad: elevations?.into_iter().map(f64::to_radians).collect(),
+    })
+}
+
+/// What scans of all kinds have in common.
+fn scan(section: &Section<'_>, law: Option<ScanLaw>) -> Option<Pointing> {
+    use keys::pointing as k;
+    let north = section.choice(&k::ABOUT).map(|ScanFrom(north)| north);
+    // A pedestal that goes with the deck knows no track.
+    let level_by = if north == Some(true) { section.choice(&k::AIM_FROM).map(Some) } else { Some(None) };
+    let [bias, noise] = [&k::ENCODER_BIAS_DEG, &k::ENCODER_NOISE_DEG].map(|key| section.number(key));
+    let bits = if section.has(&k::ENCODER_BITS) {
+        section.count(&k::ENCODER_BITS).map(|bits| u32::try_from(bits).ok())
+    } else {
+        Some(None)
+    };
+    north?;
+    Some(Pointing::Scan(Scan {
+        law: law?,
+        level_by: level_by?,
+        encoder: Encoder { bias_rad: bias?.to_radians(), noise_rad: noise?.to_radians(), bits: bits? },
+    }))
 }
 
 /// An aim point of kind `at` or `beside`.

@@ -40,6 +40,7 @@ mod omitted;
 pub mod points;
 mod profile;
 mod pulses;
+mod received;
 mod sweep;
 
 use std::ops::Range;
@@ -164,6 +165,8 @@ pub struct ErrorSampler<'a> {
     /// Mean power over the run, of facets and points, and what the facets of the strongest pulse may have.
     power: Powers,
     highest: Powers,
+    /// The same of single pulses where an antenna scans, the strongest first.
+    scanned: Vec<(u64, Powers)>,
     points: Points,
     omitted: Omitted,
     candidates: Candidates,
@@ -219,6 +222,7 @@ impl<'a> ErrorSampler<'a> {
             fastest: 0.0,
             power: vec![0.0; all],
             highest: vec![0.0; all],
+            scanned: Vec::new(),
             points: Points::default(),
             omitted: Omitted::new(all, cutoff_db),
             gains: vec![0.0; candidates.bins()],
@@ -310,6 +314,12 @@ impl<'a> ErrorSampler<'a> {
     /// How many places there are.
     pub fn places(&self) -> usize {
         self.places.len()
+    }
+
+    /// Pulses of the run and their power by channel, in the unit of [`Self::power`], the strongest first; empty
+    /// where no antenna scans.
+    pub fn scanned(&self) -> &[(u64, Powers)] {
+        &self.scanned
     }
 
     /// Mean power over the run.

@@ -105,14 +105,14 @@ pub(super) struct Stretch {
 }
 
 /// What multiplies the steady (not fluctuating) amplitudes of points.
-struct Variation {
+pub(super) struct Variation {
     /// `[point][pair]`; empty where nothing varies.
     of_points: Vec<f64>,
     pairs: usize,
 }
 
 impl Variation {
-    fn of(&self, point: usize, pair: usize) -> f64 {
+    pub(super) fn of(&self, point: usize, pair: usize) -> f64 {
         self.of_points.get(point * self.pairs + pair).copied().unwrap_or(1.0)
     }
 }
@@ -202,11 +202,7 @@ impl ErrorSampler<'_> {
                 let line = Line::new(delays_s, self.cells_per_s);
                 for &channel in channels {
                     let amplitude = &paths.amplitude[channel];
-                    let power = line.power(|n| {
-                        let received = self.generator.received_share(index, opens_s, delays_s[n]).sqrt();
-                        let received = received * drawn.of(n, pair);
-                        amplitude[n] * received * Complex64::cis(-TAU * self.radar.carrier_hz * delays_s[n])
-                    });
+                    let power = self.received_power(index, (pair, opens_s), (&line, &paths, &drawn), channel);
                     self.points.power[channel] += power / count as f64;
                     all += power;
                     let own = |n: usize| (amplitude[n] * drawn.of(n, pair)).norm_sqr();
@@ -368,7 +364,7 @@ impl ErrorSampler<'_> {
     }
 
     /// Room for the points of a pulse.
-    fn no_points(&self) -> ScattererPaths {
+    pub(super) fn no_points(&self) -> ScattererPaths {
         ScattererPaths::new(self.channels.len(), self.radar.channels.len(), self.generator.point_count())
     }
 
@@ -420,7 +416,7 @@ impl ErrorSampler<'_> {
     }
 
     /// What multiplies the amplitudes of a pulse, or the most that fluctuations make of them.
-    fn variation(&mut self, index: u64, most: bool) -> Result<Variation, RadarError> {
+    pub(super) fn variation(&mut self, index: u64, most: bool) -> Result<Variation, RadarError> {
         let (pairs, mut of_points) = (self.channels.len(), Vec::new());
         if self.generator.varies() {
             let most_of_run = most.then_some(&self.points.most_of_run[..]);
@@ -437,7 +433,11 @@ impl ErrorSampler<'_> {
 
     /// Points of a pulse, and by pair its window's start and their rates. Points that the window does not
     /// receive at all, and those without a delay polynomial, are silent.
-    fn points_at(&mut self, index: u64, paths: &mut ScattererPaths) -> Result<Vec<(f64, Rates)>, RadarError> {
+    pub(super) fn points_at(
+        &mut self,
+        index: u64,
+        paths: &mut ScattererPaths,
+    ) -> Result<Vec<(f64, Rates)>, RadarError> {
         self.generator.points(index, &mut self.memory, paths)?;
         let starts_s = (0..self.channels.len()).map(|pair| self.generator.pair_start_of(pair, index));
         let starts_s = starts_s.collect::<Result<Vec<f64>, _>>()?;

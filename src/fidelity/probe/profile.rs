@@ -5,12 +5,17 @@
 //! are looked at, and where the power changes by more than [`STEEP`] from one pulse to the next, pulses
 //! between them are added, at most as many again; each then stands for the part of the run about it.
 //!
+//! An antenna that scans passes over the patch again and again. Then many more pulses are looked at, and none
+//! is added: each stands for as much of the run.
+//!
 //! A channel whose polarisation leaves with some pulses alone has the mean of all, as it is measured.
 
 use super::{ErrorSampler, MOST_OF_EXACT, PROFILE, Powers, spread_over};
 use crate::paths::block::probe::{Keep, Shadows};
 use crate::radar::fault::RadarError;
 
+/// How many times as many pulses are looked at where an antenna scans: its beam is seldom on the patch.
+const SCANS: u64 = 6;
 /// Ratio of the powers of two pulses that are too far apart.
 const STEEP: f64 = 4.0;
 
@@ -27,12 +32,13 @@ struct Profiled {
 impl ErrorSampler<'_> {
     /// Power over the run; shows the strongest pulse.
     pub(super) fn profile(&mut self) -> Result<u64, RadarError> {
-        let count = PROFILE.min(self.pulses);
+        let scans = self.generator.scans();
+        let count = if scans { SCANS * PROFILE } else { PROFILE }.min(self.pulses);
         let mut found = Vec::new();
         for (step, index) in spread_over(self.pulses, count, 1).enumerate() {
             found.push(self.profiled(index, (step == 0, count as f64))?);
         }
-        let refined = self.refine(&mut found)?;
+        let refined = !scans && self.refine(&mut found)?;
         // Each stands for what lies about it.
         let ends = |n: usize, found: &[Profiled]| {
             let between = |a: u64, b: u64| 0.5 * (a as f64 + b as f64 + 1.0);
@@ -48,11 +54,28 @@ impl ErrorSampler<'_> {
             let share = if refined { ends(n, &found) } else { 1.0 / count as f64 };
             self.power.iter_mut().zip(&pulse.power).for_each(|(mean, own)| *mean += share * own);
         }
+        if scans {
+            self.scanned = self.of_scan(&found)?;
+        }
         let weight = self.sampled();
         let turns = self.generator.shares_of_pulses();
         let points = self.points.power.iter().zip(&turns);
         self.power.iter_mut().zip(points).for_each(|(mean, (own, share))| *mean += weight * share * own);
         Ok(strongest)
+    }
+
+    /// Power of the pulses of a profile, points included, the strongest first.
+    fn of_scan(&mut self, found: &[Profiled]) -> Result<Vec<(u64, Powers)>, RadarError> {
+        let weight = self.sampled();
+        let mut all = Vec::with_capacity(found.len());
+        for Profiled { index, power, .. } in found {
+            let of_points = self.power_of_points(*index)?;
+            let both = |(facets, points): (&f64, &f64)| facets + weight * points;
+            all.push((*index, power.iter().zip(&of_points).map(both).collect::<Powers>()));
+        }
+        let total = |of: &(u64, Powers)| of.1.iter().sum::<f64>();
+        all.sort_by(|a, b| total(b).total_cmp(&total(a)));
+        Ok(all)
     }
 
     /// Looks at a pulse; of `count` spread over the run, `first` among them, or, without any, in between.

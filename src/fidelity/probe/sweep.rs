@@ -161,7 +161,8 @@ impl ErrorSampler<'_> {
         // Between the first two instants, the second two, and in the middle.
         let instants_of = |step: u64| -> (usize, Vec<usize>) {
             let step = gain_step(pulses, step as usize);
-            let step = if fine > 1 { step.next_multiple_of(2 * fine) } else { step };
+            // Where every pulse has its gain nothing is left.
+            let step = if fine > 1 && step > 1 { step.next_multiple_of(2 * fine) } else { step };
             (step, gain_instants(pulses, step).collect())
         };
         let probes: Vec<Vec<(usize, usize, [f32; 6])>> = steps

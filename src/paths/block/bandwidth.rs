@@ -3,23 +3,27 @@
 //! A tile whose facets have Doppler from `f_1` to `f_2` turns about its middle, `(f_1 + f_2)/2`, and is taken
 //! to have the bandwidth
 //!
-//! `B = max (f_2 - f_1) + 2 f_w + |r| f_s` ,
+//! `B = max (f_2 - f_1) + 2 f_w + |r| f_s + sum (a |du/dt| + b |dv/dt|)` ,
 //!
 //! over its nodes and the middles between them: `f_w` is how far waves that travel, or phases that are
 //! forgotten, reach off the Doppler of their facets, and `|r| f_s` what a delay of rate `r` that moves over
-//! the grid adds at the edge of the band that is received.
+//! the grid adds at the edge of the band that is received. The sum is over both antennas, of sides `a` and `b`
+//! in wavelengths, in whose frames the tile moves: over a unit of `u` the field gain of an aperture has `a/2`
+//! cycles at most.
 //!
 //! A facet that shadows hide or uncover has no such bandwidth: what is seen of it is straight from update to
 //! update, with a kink at each. A tile with one is evaluated at every pulse.
 
 use std::f64::consts::TAU;
 
+use glam::DVec3;
+
 use super::TileWork;
 use super::tile::Pair;
 use super::travelling::Part;
 use crate::geometry::lanes::{Paths, Row};
-use crate::paths::PathGenerator;
 use crate::paths::sea::SeaPlan;
+use crate::paths::{PairPlan, PathGenerator};
 
 /// Cells of the delay grid of a sample, about.
 const CELLS_PER_SAMPLE: f64 = 2.0;
@@ -92,10 +96,11 @@ impl PathGenerator {
         }
         let mut bandwidth_hz = 0.0f64;
         let mut extent_s = 0.0f64;
-        for pair in &work.tile.pairs {
+        for (plan, pair) in self.plans.iter().zip(&work.tile.pairs) {
             let Rates { span, fastest } = self.rates_of_tile(pair, work);
             let of_waves = self.band_of_waves_hz(sea, work.part, pair);
-            let own = self.radar.carrier_hz * span + of_waves + fastest * self.radar.sample_rate_hz;
+            let of_doppler = self.radar.carrier_hz * span + fastest * self.radar.sample_rate_hz;
+            let own = of_doppler + of_waves + self.band_of_gains_hz(plan, pair, work);
             bandwidth_hz = bandwidth_hz.max(own);
             extent_s = extent_s.max(pair.extent_s(count));
         }
@@ -129,13 +134,38 @@ impl PathGenerator {
         rates
     }
 
+    /// Both sides of what beams that sweep over the tile, as its first facet shows, add to its bandwidth, Hz.
+    fn band_of_gains_hz(&self, plan: &PairPlan, pair: &Pair, work: &TileWork) -> f64 {
+        let ends = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+        let (timing, slow) = (work.timing(), &work.tile.slow);
+        let at = |node: usize, end: usize| {
+            let Paths { incident, scattered, .. } = &*pair.nodes()[node].paths;
+            let rows = if end == 0 { incident } else { scattered };
+            let along = DVec3::from_array([0, 1, 2].map(|axis| f64::from(rows[axis][0])));
+            let (axes, _) = self.axes_of(&work.nodes[timing.nodes[node]].emission, ends[end]);
+            axes.transpose() * along
+        };
+        let mut most_hz = 0.0f64;
+        for node in 1..pair.nodes().len() {
+            let [from, to] = [node - 1, node].map(|n| slow.at(work.tile.instants.nodes[n]));
+            let passed_s = (to - from) * work.tile.interval_s;
+            let of_end = |end: usize| {
+                let [a, b] = self.antennas[ends[end]].sides_wavelengths();
+                let moved = (at(node, end) - at(node - 1, end)).abs();
+                (a * moved.y + b * moved.z) / passed_s
+            };
+            most_hz = most_hz.max(of_end(0) + of_end(1));
+        }
+        most_hz
+    }
+
     /// Both sides of what waves add to the Doppler of their facets, Hz.
     fn band_of_waves_hz(&self, sea: &SeaPlan, part: Part, pair: &Pair) -> f64 {
         let radps = match (sea.scattering.travelling(), part.mechanism()) {
             (Some(lines), Some(mechanism)) => {
                 let of = |paths: &Paths| {
                     let [incident, scattered] = [&paths.incident, &paths.scattered]
-                        .map(|rows| glam::DVec3::from_array([0, 1, 2].map(|axis| f64::from(rows[axis][0]))));
+                        .map(|rows| DVec3::from_array([0, 1, 2].map(|axis| f64::from(rows[axis][0]))));
                     lines.reach_radps(mechanism, incident, scattered)
                 };
                 OF_LINES * pair.nodes().iter().map(|node| of(&node.paths)).fold(0.0, f64::max)

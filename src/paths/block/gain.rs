@@ -63,6 +63,11 @@ impl Sight {
         Self { position, turn: axes.transpose(), shape: Shape::of(antenna) }
     }
 
+    /// The same antenna a while later, where it turns so much in a second.
+    pub fn later(&self, change_per_s: Axes, by_s: f64) -> Self {
+        Self { turn: self.turn + change_per_s.transpose() * by_s, ..*self }
+    }
+
     /// Real field gain in a direction from the antenna, within 1e-6 of the peak.
     pub fn gain(&self, antenna: &Antenna, direction: DVec3) -> f64 {
         let d = self.turn * direction;

@@ -203,7 +203,7 @@ impl PathGenerator {
     }
 
     /// Axes of an antenna of a pair at an emission, and their change in a second.
-    pub(super) fn axes_of(&self, emission: &Emission, antenna: usize) -> (Axes, Axes) {
+    pub(in crate::paths) fn axes_of(&self, emission: &Emission, antenna: usize) -> (Axes, Axes) {
         let now = emission.axes(antenna);
         if self.axes_span_s > 0.0 {
             let later = emission.axes_after(antenna, self.axes_span_s, self.axes_span_s);

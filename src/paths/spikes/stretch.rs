@@ -29,6 +29,7 @@ use crate::paths::sea::SeaPlan;
 use crate::paths::{PairPlan, PathGenerator, Workspace};
 use crate::radar::antenna::Antenna;
 use crate::radar::fault::RadarError;
+use crate::radar::polarisation::Axes;
 use crate::radar::window::Window;
 use crate::scene::Patch;
 use crate::sea::wake::WakeError;
@@ -36,6 +37,8 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// What a direction may turn in a stretch, rad.
 const TURN_RAD: f64 = 0.03;
+/// What the axes of a receiver may turn while echoes of the patch arrive, rad.
+const STEADY_RAD: f64 = 3e-7;
 /// What a cubic may leave of the carrier's phase, rad.
 const PHASE_RAD: f64 = 1e-4;
 
@@ -50,8 +53,19 @@ pub(in crate::paths) struct Buffers {
     envelope: Vec<f64>,
     /// Transmitter and receiver, `[pulse][pair]`.
     sights: Vec<[Sight; 2]>,
+    /// As many: how receivers turn.
+    turns: Vec<Option<Turn>>,
     /// Of every node; none where everything is received.
     windows: Vec<Vec<Window>>,
+}
+
+/// How an antenna turns that receives echoes from one end of a patch otherwise than those from the other.
+#[derive(Clone, Copy)]
+struct Turn {
+    /// Change of its axes in a second.
+    change_per_s: Axes,
+    /// When its axes are those known, after the emission, s.
+    delay_s: f64,
 }
 
 /// Pulses of a block that are made together.
@@ -135,7 +149,7 @@ impl PathGenerator {
             return Ok(false);
         }
         let Workspace {
-            stretch: Buffers { emissions, elapsed_s, slow, envelope, sights, windows },
+            stretch: Buffers { emissions, elapsed_s, slow, envelope, sights, turns, windows },
             amplitude,
             ..
         } = workspace;
@@ -152,7 +166,7 @@ impl PathGenerator {
         for (windows, place) in windows.iter_mut().zip(stretch.nodes) {
             self.windows_or_all(first + *place as u64, windows)?;
         }
-        self.sights(stretch.patch, &emissions[..count], sights);
+        self.sights(stretch.patch, &emissions[..count], (sights, turns));
         let made = Making {
             of: self,
             sea,
@@ -160,6 +174,7 @@ impl PathGenerator {
             tiles,
             emissions: &emissions[..count],
             sights,
+            turns,
             windows: &windows[..stretch.nodes.len()],
             elapsed_s,
             interval_s: self.radar.emissions.mean_pri_s(),
@@ -171,12 +186,19 @@ impl PathGenerator {
             .map_err(|failure| self.sea_error(first, WakeError::from(failure).into()))
     }
 
-    /// Both antennas of every pair at every pulse, the receiver when echoes of the middle of a patch arrive:
-    /// over the patch that differs by microseconds.
-    fn sights(&self, patch: &Patch, emissions: &[Emission], sights: &mut Vec<[Sight; 2]>) {
+    /// Both antennas of every pair at every pulse, the receiver when echoes of the middle of a patch arrive,
+    /// and how it turns where the microseconds by which others differ matter.
+    fn sights(
+        &self,
+        patch: &Patch,
+        emissions: &[Emission],
+        (sights, turns): (&mut Vec<[Sight; 2]>, &mut Vec<Option<Turn>>),
+    ) {
         let [x, y] = [0, 1].map(|i| patch.facet_m * (patch.first[i] as f64 + 0.5 * patch.facets[i] as f64));
         let middle = DVec3::new(x, y, -self.frame.earth().drop_m(x, y));
+        let across_m = patch.facet_m * (patch.facets[0] as f64).hypot(patch.facets[1] as f64);
         sights.clear();
+        turns.clear();
         for emission in emissions {
             for plan in &self.plans {
                 let ends = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
@@ -185,6 +207,11 @@ impl PathGenerator {
                 let delay_s = way_m / SPEED_OF_LIGHT_MPS;
                 let arrives = rx.position.raw() + rx.velocity.raw() * delay_s;
                 let axes = emission.axes_after(ends[1], delay_s, self.axes_span_s);
+                let (_, change_per_s) = self.axes_of(emission, ends[1]);
+                let fastest =
+                    change_per_s.to_cols_array().into_iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+                let turn = Turn { change_per_s, delay_s };
+                turns.push((fastest * across_m / SPEED_OF_LIGHT_MPS > STEADY_RAD).then_some(turn));
                 sights.push([
                     Sight::of(&self.antennas[ends[0]], tx.position.raw(), emission.axes(ends[0])),
                     Sight::of(&self.antennas[ends[1]], arrives, axes),
@@ -204,6 +231,8 @@ struct Making<'a> {
     emissions: &'a [Emission],
     /// `[pulse][pair]`.
     sights: &'a [[Sight; 2]],
+    /// As many.
+    turns: &'a [Option<Turn>],
     /// Of every node.
     windows: &'a [Vec<Window>],
     /// Of every pulse, after pulse 0.
@@ -308,8 +337,13 @@ impl Making<'_> {
         let patch = stretch.patch;
         for ((pair, plan), factor) in of.plans.iter().enumerate().zip(factors) {
             // Light time moves breakers by centimetres at most.
-            let [tx, rx] = &self.sights[pulse * of.plans.len() + pair];
-            let place = moves.position.raw();
+            let at = pulse * of.plans.len() + pair;
+            let ([tx, rx], place) = (&self.sights[at], moves.position.raw());
+            let turned = self.turns[at].map(|turn| {
+                let way_m = place.distance(tx.position) + place.distance(rx.position);
+                rx.later(turn.change_per_s, way_m / SPEED_OF_LIGHT_MPS - turn.delay_s)
+            });
+            let rx = turned.as_ref().unwrap_or(rx);
             let ends = self.ends(plan);
             let gain = |sight: &Sight, end: usize| {
                 sight.gain(&of.antennas[end], (place - sight.position).normalize_or_zero())

@@ -27,7 +27,7 @@ pub(super) fn centre_m(
 /// A point of the scene, or one beside a platform; none beside one at rest.
 fn aim_m(look: &Look, recording: &Recording, pulse: usize) -> Option<[f64; 2]> {
     match look {
-        Look::Body { .. } => None,
+        Look::Body { .. } | Look::Scan { .. } => None,
         Look::Point { position_m: [x, y, _], velocity_mps: [vx, vy, _] } => {
             let since_s = recording.since_start_s(pulse);
             Some([x + vx * since_s, y + vy * since_s])
@@ -61,6 +61,16 @@ pub(super) fn boresights(
             Look::Body { yaw_rad, pitch_rad, roll_rad } => {
                 let axes = fixed_mount(*yaw_rad, *pitch_rad, *roll_rad);
                 return Ok(axes.then(attitude(&antenna.platform, pulse)?).raw() * DVec3::X);
+            }
+            Look::Scan { level, .. } => {
+                let [az, el] = recording.encoder_rad(name, pulse)?;
+                let pedestal = fixed_mount(az, el, 0.0);
+                let stands = if *level {
+                    Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0)
+                } else {
+                    attitude(&antenna.platform, pulse)?
+                };
+                return Ok(pedestal.then(stands).raw() * DVec3::X);
             }
             Look::Point { position_m, velocity_mps } => {
                 DVec3::from(*position_m) + DVec3::from(*velocity_mps) * recording.since_start_s(pulse)

@@ -207,16 +207,17 @@ pub(super) fn run_description<'a>(
     packet.end()
 }
 
-/// Bytes of a state without windows of receivers.
+/// Bytes of a state without windows of receivers and readings of encoders.
 const STATE_BYTES: usize = 216;
 
-/// Whether every description fits a datagram, and a state with all windows of receivers.
+/// Whether every description fits a datagram, and a state with all windows of receivers and readings of encoders.
 pub(super) fn check(header: &Header, room: usize) -> Result<(), RecordingError> {
     let texts = |texts: &[&String]| texts.iter().map(|text| text_bytes(text)).sum::<usize>();
     let channels = header.channels.iter().map(|row| 32 + texts(&channel_texts(row)));
     let platforms = header.platforms.iter().map(|name| 8 + texts(&[name]));
     let others = [112 + texts(&[&header.software]), header.instrument.as_ref().map_or(0, radar::longest)];
-    let state = (header.layout.windows > 0).then_some(STATE_BYTES + 8 * header.layout.windows);
+    let more = 8 * header.layout.windows + 16 * header.scanning().count();
+    let state = (more > 0).then_some(STATE_BYTES + more);
     let longest = channels.chain(platforms).chain(others).chain(state).max().unwrap_or(0);
     if EXTENSION_PROLOGUE + longest > room {
         return Err(RecordingError::Header {
@@ -348,6 +349,10 @@ pub(super) fn state<'a>(
     // An addition, of receivers with windows of their own.
     for start_s in &pulse.receiver_window_start_s {
         packet.f64(*start_s);
+    }
+    // Another, of antennas that scan: what their encoders read.
+    for reading_deg in pulse.antennas.iter().filter_map(|antenna| antenna.encoder_deg) {
+        packet.f64s(&reading_deg);
     }
     packet.end()
 }

@@ -56,6 +56,7 @@ fn looks<'a>(
         Some(Look::Body { .. }) => [0, 0],
         Some(Look::Point { .. }) => [1, 0],
         Some(Look::Beside { platform, .. }) => [2, platform_number(platform, header)],
+        Some(Look::Scan { level, .. }) => [3, u32::from(*level)],
     };
     datagram.u32(kind).u32(beside).f64s(&look.map_or([0.0; 6], Look::numbers))
 }
