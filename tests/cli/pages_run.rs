@@ -208,9 +208,9 @@ fn run(path: &Path, not_run: &Mutex<BTreeMap<&'static str, usize>>) -> Vec<Strin
         symlink(package().join(shared), folder.path().join(shared)).unwrap();
     }
     fs::create_dir(folder.path().join("docs")).unwrap();
-    // The scenario of the front page is the one that readers save.
-    let front = fs::read_to_string(package().join("README.md")).unwrap();
-    fs::write(folder.path().join("first.toml"), blocks(&front, "toml")[0]).unwrap();
+    // The scenario of the tutorial is the one that readers save.
+    let tutorial = fs::read_to_string(package().join("docs/tutorial.md")).unwrap();
+    fs::write(folder.path().join("first.toml"), blocks(&tutorial, "toml")[0]).unwrap();
 
     let mut page = Page { name: &name, folder: folder.path(), beside: None, faults: Vec::new() };
     for (_, line) in BEFORE.iter().filter(|(page, _)| *page == name) {
