@@ -77,6 +77,7 @@ choices! {
     GateKind { Windowed = "windowed", Continuous = "continuous" }
     TxKind { Simultaneous = "simultaneous", Alternating = "alternating" }
     SignalKind { Tone = "tone", Loopback = "loopback" }
+    ApertureTaperKind { Uniform = "uniform", Cosine = "cosine", Hamming = "hamming", Taylor = "taylor" }
     PatternKind { Isotropic = "isotropic", Rectangle = "rectangle", Ellipse = "ellipse", Circle = "circle", File = "file" }
     DatumKind { Ellipsoid = "ellipsoid", MeanSeaLevel = "msl", Barometric = "barometric" }
     AttitudeKind { Recorded = "recorded", CoordinatedTurn = "coordinated_turn", Level = "level", Constant = "constant" }

@@ -6,6 +6,7 @@
 //! * rectangle: `g = sqrt(4 pi a b) / lambda  sinc(pi a u / lambda) sinc(pi b v / lambda)`,
 //!   `sinc x = sin x / x`;
 //! * ellipse: `g = sqrt(4 pi (pi a b / 4)) / lambda  2 J1(X) / X`, `X = (pi / lambda) hypot(a u, b v)`;
+//! * tapered rectangle: each `sinc` by the pattern of its [taper](crate::radar::taper);
 //! * isotropic: constant;
 //! * a measured pattern ([`crate::radar::pattern`]).
 //!
@@ -28,6 +29,7 @@ use num_complex::Complex64;
 
 use crate::frames::{self, Vector};
 use crate::radar::pattern::{GridPattern, PatternError};
+use crate::radar::taper::SideTaper;
 use crate::scene::radar::Pattern;
 use crate::units::Decibels;
 
@@ -47,6 +49,15 @@ pub enum Antenna {
         height_m: f64,
         /// Wavelength, m.
         wavelength_m: f64,
+    },
+    /// Rectangle whose illumination falls towards the edges.
+    Tapered {
+        /// Field gain ahead.
+        peak: f64,
+        /// Full sides along y and z, wavelengths.
+        sides: [f64; 2],
+        /// Along them.
+        tapers: [SideTaper; 2],
     },
     /// Uniformly illuminated ellipse.
     Ellipse {
@@ -70,6 +81,13 @@ impl Antenna {
         Ok(match *pattern {
             Pattern::Isotropic { gain_dbi } => Self::Isotropic { gain: Decibels(gain_dbi).amplitude_ratio() },
             Pattern::Rectangle { width_m, height_m } => Self::Rectangle { width_m, height_m, wavelength_m },
+            Pattern::Tapered { width_m, height_m, tapers } => {
+                let (sides, tapers) =
+                    ([width_m, height_m].map(|m| m / wavelength_m), tapers.map(SideTaper::of));
+                let efficiency: f64 = tapers.iter().map(SideTaper::efficiency).product();
+                let peak = (4.0 * PI * sides[0] * sides[1] * efficiency).sqrt();
+                Self::Tapered { peak, sides, tapers }
+            }
             Pattern::Ellipse { width_m, height_m } => Self::Ellipse { width_m, height_m, wavelength_m },
             Pattern::File { ref path, floor_dbi } => Self::Grid(GridPattern::open(path, floor_dbi)?),
         })
@@ -85,6 +103,7 @@ impl Antenna {
     pub fn sides_wavelengths(&self) -> [f64; 2] {
         match *self {
             Self::Isotropic { .. } | Self::Grid(_) => [0.0; 2],
+            Self::Tapered { sides, .. } => sides,
             Self::Rectangle { width_m, height_m, wavelength_m }
             | Self::Ellipse { width_m, height_m, wavelength_m } => {
                 [width_m, height_m].map(|m| m / wavelength_m)
@@ -98,7 +117,12 @@ impl Antenna {
         match self {
             Self::Isotropic { gain } => (*gain).into(),
             Self::Grid(grid) => grid.field_gain(d.y.atan2(d.x), d.z.clamp(-1.0, 1.0).asin()),
-            Self::Rectangle { .. } | Self::Ellipse { .. } if d.x <= 0.0 => Complex64::ZERO,
+            Self::Rectangle { .. } | Self::Tapered { .. } | Self::Ellipse { .. } if d.x <= 0.0 => {
+                Complex64::ZERO
+            }
+            Self::Tapered { peak, sides, tapers } => {
+                (peak * tapers[0].field(sides[0] * d.y) * tapers[1].field(sides[1] * d.z)).into()
+            }
             Self::Rectangle { width_m, height_m, wavelength_m } => {
                 let peak = (4.0 * PI * width_m * height_m).sqrt() / wavelength_m;
                 let across = sinc(PI * width_m * d.y / wavelength_m);

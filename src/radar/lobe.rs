@@ -3,6 +3,7 @@
 //! | pattern | main lobe |
 //! | --- | --- |
 //! | rectangle `a` x `b` | direction cosines `|u| <= lambda/a`, `|v| <= lambda/b` in front: to the first nulls |
+//! | tapered rectangle | likewise, to its own first nulls |
 //! | ellipse | `(a u)^2 + (b v)^2 <= (1.2197 lambda)^2` in front: to the first null |
 //! | measured | the cone about its peak that holds all points of the grid within 20 dB of it |
 //! | isotropic; measured with a floor within 20 dB | everything |
@@ -48,6 +49,9 @@ impl MainLobe {
                 Shape::Rectangle(aperture(*width_m, *height_m, *wavelength_m, 1.0)),
                 wavelength_m * wavelength_m / (width_m * height_m),
             ),
+            Antenna::Tapered { peak, sides, tapers } => {
+                (Shape::Rectangle([0, 1].map(|n| tapers[n].null() / sides[n])), 4.0 * PI / (peak * peak))
+            }
             Antenna::Ellipse { width_m, height_m, wavelength_m } => (
                 Shape::Ellipse(aperture(*width_m, *height_m, *wavelength_m, FIRST_NULL)),
                 wavelength_m * wavelength_m / (0.25 * PI * width_m * height_m),

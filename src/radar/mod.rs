@@ -13,5 +13,6 @@ pub mod phasor;
 pub mod lobe;
 pub mod rain;
 pub mod receiver;
+pub mod taper;
 pub mod waveform;
 pub mod window;

@@ -262,7 +262,9 @@ impl AntennaRow {
     fn of(name: &str, transmits: bool, mount: &AntennaMount, platforms: &[String]) -> Self {
         let (pattern, aperture_m) = match &mount.pattern {
             Pattern::Isotropic { .. } => (ISOTROPIC, None),
-            Pattern::Rectangle { width_m, height_m } => ("rectangle", Some([*width_m, *height_m])),
+            Pattern::Rectangle { width_m, height_m } | Pattern::Tapered { width_m, height_m, .. } => {
+                ("rectangle", Some([*width_m, *height_m]))
+            }
             Pattern::Ellipse { width_m, height_m } => ("ellipse", Some([*width_m, *height_m])),
             Pattern::File { .. } => ("file", None),
         };

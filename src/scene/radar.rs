@@ -406,6 +406,15 @@ pub enum Pattern {
         /// Height b, m.
         height_m: f64,
     },
+    /// Rectangle whose illumination falls towards the edges.
+    Tapered {
+        /// Width a, m.
+        width_m: f64,
+        /// Height b, m.
+        height_m: f64,
+        /// Along the width, along the height.
+        tapers: [ApertureTaper; 2],
+    },
     /// Uniformly illuminated ellipse with the given full axes (a circle when they are equal).
     Ellipse {
         /// Width a, m.
@@ -419,6 +428,23 @@ pub enum Pattern {
         path: PathBuf,
         /// Gain outside the grid, dBi.
         floor_dbi: f64,
+    },
+}
+
+/// How the illumination of an aperture falls from its middle to its edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ApertureTaper {
+    /// Not at all.
+    Uniform,
+    /// As a cosine, to nothing.
+    Cosine,
+    /// As a raised cosine, to 0.08 of the middle.
+    Hamming,
+    /// So that all side lobes near the beam are alike.
+    Taylor {
+        /// These, dB below the peak.
+        sidelobe_db: f64,
     },
 }
 
@@ -437,7 +463,10 @@ impl PolarisationBasis {
     pub fn of(pattern: &Pattern) -> Self {
         match pattern {
             Pattern::Isotropic { .. } => Self::LocalHorizontal,
-            Pattern::Rectangle { .. } | Pattern::Ellipse { .. } | Pattern::File { .. } => Self::Ludwig3,
+            Pattern::Rectangle { .. }
+            | Pattern::Tapered { .. }
+            | Pattern::Ellipse { .. }
+            | Pattern::File { .. } => Self::Ludwig3,
         }
     }
 

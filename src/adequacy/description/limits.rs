@@ -83,7 +83,9 @@ pub(super) fn models(run: &Run, without: &mut Vec<Described>) {
     }
     let antennas = run.scene.radar.transmitters.iter().map(|tx| &tx.antenna);
     let mut antennas = antennas.chain(run.scene.radar.receivers.iter().map(|rx| &rx.antenna));
-    if antennas.any(|mount| matches!(mount.pattern, Pattern::Rectangle { .. } | Pattern::Ellipse { .. })) {
+    if antennas.any(|mount| {
+        matches!(mount.pattern, Pattern::Rectangle { .. } | Pattern::Tapered { .. } | Pattern::Ellipse { .. })
+    }) {
         without.push(described("back lobes", "rear hemisphere: aperture patterns are zero behind"));
     }
 }

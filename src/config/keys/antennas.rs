@@ -47,10 +47,13 @@ tables! {
         FOLLOW "follow", Section(&follow::TABLE), Means("start_us is given"), "A window that follows the echo of an aim point.";
     }
     antenna "antenna = { ... } of [[transmitter]], [[receiver]] and [[emitter]]" "A gain pattern. Boresight +x, width along +y (horizontal), height along +z." {
-        KIND "kind", Choice(words::<PatternKind>), Required, "Kind of aperture; apertures are uniformly illuminated. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";
+        KIND "kind", Choice(words::<PatternKind>), Required, "Kind of aperture, uniformly illuminated unless tapered. Ports H and V: of isotropic antennas level at the phase centre wherever they point, of all others Ludwig's third definition about the boresight (docs/polarisation.md).";
         GAIN_DBI "gain_dbi", number("dBi", -200.0, 200.0), default(0.0), "isotropic: gain in every direction.";
         WIDTH_M "width_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full width.";
         HEIGHT_M "height_m", above("m", 0.0, 1e4), Required, "rectangle, ellipse: full height.";
+        TAPER "taper", Choice(words::<ApertureTaperKind>), Word("uniform"), "rectangle: how the illumination falls along the width; side lobes of -13, -23, -43 dB, and as sidelobe_db says.";
+        HEIGHT_TAPER "height_taper", Choice(words::<ApertureTaperKind>), Word("uniform"), "rectangle: the same along the height.";
+        SIDELOBE_DB "sidelobe_db", number("dB", 20.0, 50.0), default(30.0), "rectangle with a taper of \"taylor\": side lobes below the peak.";
         DIAMETER_M "diameter_m", above("m", 0.0, 1e4), Required, "circle: diameter.";
         PATH "path", File, Required, "file: CSV, columns az_deg,el_deg,gain_dbi[,phase_deg] on a regular grid; azimuth positive to the left of the boresight (+y), elevation positive up.";
         FLOOR_DBI "floor_dbi", number("dBi", -400.0, 200.0), default(-60.0), "file: gain outside the grid.";

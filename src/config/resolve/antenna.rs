@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use super::place::{self, SurfaceKeys};
 use super::{Ground, Names};
-use crate::config::choices::{AimKind, PatternKind, PointingKind, ScanFrom, Servo};
+use crate::config::choices::{AimKind, ApertureTaperKind, PatternKind, PointingKind, ScanFrom, Servo};
 use crate::config::error::Problem;
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
 use crate::frames::Vector;
-use crate::scene::radar::{Aim, AntennaMount, Encoder, Pattern, Pointing, Scan, ScanLaw};
+use crate::scene::radar::{Aim, AntennaMount, ApertureTaper, Encoder, Pattern, Pointing, Scan, ScanLaw};
 
 /// The keys that transmitters and receivers share.
 pub(super) struct MountKeys {
@@ -90,13 +90,23 @@ pub(super) fn mount(
 }
 
 fn pattern(section: Section<'_>) -> Option<Pattern> {
-    use keys::antenna::{DIAMETER_M, FLOOR_DBI, GAIN_DBI, HEIGHT_M, KIND, PATH, WIDTH_M};
+    use keys::antenna::{DIAMETER_M, FLOOR_DBI, GAIN_DBI, HEIGHT_M, HEIGHT_TAPER, KIND, PATH};
+    use keys::antenna::{SIDELOBE_DB, TAPER, WIDTH_M};
     let pattern = match section.choice(&KIND) {
         Some(PatternKind::Isotropic) => {
             section.number(&GAIN_DBI).map(|gain_dbi| Pattern::Isotropic { gain_dbi })
         }
-        Some(PatternKind::Rectangle) => sides(&section, &WIDTH_M, &HEIGHT_M)
-            .map(|[width_m, height_m]| Pattern::Rectangle { width_m, height_m }),
+        Some(PatternKind::Rectangle) => {
+            let given = [tapered(&section, &TAPER), tapered(&section, &HEIGHT_TAPER)];
+            if !given.iter().any(|taper| matches!(taper, Some(ApertureTaper::Taylor { .. }))) {
+                section.idle(&[&SIDELOBE_DB], "neither taper is \"taylor\"");
+            }
+            let sides = sides(&section, &WIDTH_M, &HEIGHT_M);
+            sides.zip(given[0].zip(given[1])).map(|([width_m, height_m], (along, up))| match [along, up] {
+                [ApertureTaper::Uniform, ApertureTaper::Uniform] => Pattern::Rectangle { width_m, height_m },
+                tapers => Pattern::Tapered { width_m, height_m, tapers },
+            })
+        }
         Some(PatternKind::Ellipse) => sides(&section, &WIDTH_M, &HEIGHT_M)
             .map(|[width_m, height_m]| Pattern::Ellipse { width_m, height_m }),
         Some(PatternKind::Circle) => section
@@ -111,6 +121,18 @@ fn pattern(section: Section<'_>) -> Option<Pattern> {
     };
     section.finish();
     pattern
+}
+
+/// A taper along a side.
+fn tapered(section: &Section<'_>, key: &'static Key) -> Option<ApertureTaper> {
+    Some(match section.choice(key)? {
+        ApertureTaperKind::Uniform => ApertureTaper::Uniform,
+        ApertureTaperKind::Cosine => ApertureTaper::Cosine,
+        ApertureTaperKind::Hamming => ApertureTaper::Hamming,
+        ApertureTaperKind::Taylor => {
+            ApertureTaper::Taylor { sidelobe_db: section.number(&keys::antenna::SIDELOBE_DB)? }
+        }
+    })
 }
 
 fn sides(section: &Section<'_>, width: &'static Key, height: &'static Key) -> Option<[f64; 2]> {

@@ -78,8 +78,9 @@ pub(super) fn apertures<'a>(
 ) {
     let half_m = 0.5 * SPEED_OF_LIGHT_MPS / carrier_hz;
     for (antenna, mount) in antennas {
-        let (Pattern::Rectangle { width_m, height_m } | Pattern::Ellipse { width_m, height_m }) =
-            mount.pattern
+        let (Pattern::Rectangle { width_m, height_m }
+        | Pattern::Tapered { width_m, height_m, .. }
+        | Pattern::Ellipse { width_m, height_m }) = mount.pattern
         else {
             continue;
         };

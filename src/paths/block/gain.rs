@@ -12,6 +12,7 @@ use crate::frames::Vector;
 use crate::geometry::lanes::{GROUP, LANES, Row, group, group_mut, lanes_for};
 use crate::radar::antenna::Antenna;
 use crate::radar::polarisation::Axes;
+use crate::radar::taper::{SideTaper, TERMS};
 use crate::units::SINE_OF_HALF_TURNS;
 
 /// An antenna at an instant.
@@ -32,6 +33,12 @@ enum Shape {
         peak: f32,
         sides: [f32; 2],
     },
+    /// Peak, both sides in wavelengths, and what they are tapered by.
+    Tapered {
+        peak: f32,
+        sides: [f32; 2],
+        tapers: [Taper; 2],
+    },
     /// Facet by facet.
     Other,
 }
@@ -43,6 +50,11 @@ impl Shape {
             Antenna::Rectangle { width_m, height_m, wavelength_m } => Self::Rectangle {
                 peak: ((4.0 * std::f64::consts::PI * width_m * height_m).sqrt() / wavelength_m) as f32,
                 sides: [(width_m / wavelength_m) as f32, (height_m / wavelength_m) as f32],
+            },
+            Antenna::Tapered { peak, sides, tapers } => Self::Tapered {
+                peak: peak as f32,
+                sides: sides.map(|side| side as f32),
+                tapers: tapers.each_ref().map(Taper::of),
             },
             Antenna::Ellipse { .. } | Antenna::Grid(_) => Self::Other,
         }
@@ -77,7 +89,7 @@ impl Sight {
             Shape::Rectangle { peak, sides } => {
                 (peak * sinc(sides[0] * d.y as f32) * sinc(sides[1] * d.z as f32)).into()
             }
-            Shape::Other => antenna.field_gain(Vector::from_raw(d)).re,
+            Shape::Tapered { .. } | Shape::Other => antenna.field_gain(Vector::from_raw(d)).re,
         }
     }
 }
@@ -113,6 +125,9 @@ impl Gains<'_> {
             match shape {
                 Shape::Rectangle { peak, sides } => {
                     variant.run(Rectangle { count, peak, sides, direction: &direction, out });
+                }
+                Shape::Tapered { peak, sides, tapers } => {
+                    variant.run(Tapered { count, peak, sides, tapers: &tapers, direction: &direction, out });
                 }
                 _ => {
                     for (i, gain) in out.iter_mut().enumerate().take(count) {
@@ -209,9 +224,89 @@ impl Task for Rectangle<'_> {
     }
 }
 
-/// `sin(pi t) / (pi t)`.
+/// A taper along a side in f32: [`SideTaper`].
+#[derive(Clone, Copy)]
+struct Taper {
+    /// `2 F_m (-1)^m`, and how many.
+    terms: [f32; TERMS],
+    count: usize,
+    is_cosine: bool,
+}
+
+impl Taper {
+    fn of(taper: &SideTaper) -> Self {
+        let terms = taper.terms().map_or([0.0; TERMS], |terms| terms.map(|term| term as f32));
+        let count = terms.iter().take_while(|term| **term != 0.0).count();
+        Self { terms, count, is_cosine: taper.terms().is_none() }
+    }
+
+    /// Multiplies by what is left of the field at `t`, a group of facets side by side.
+    #[inline(always)]
+    fn weigh(&self, t: &[f32; GROUP], out: &mut [f32; GROUP]) {
+        if self.is_cosine {
+            for i in 0..GROUP {
+                let t = t[i].abs();
+                out[i] *= std::f32::consts::FRAC_PI_2 * sinc(0.5 - t) / (1.0 + 2.0 * t);
+            }
+            return;
+        }
+        let (mut sine, mut sum) = ([0.0; GROUP], [0.0; GROUP]);
+        for i in 0..GROUP {
+            sine[i] = sine_of_half_turns(t[i].abs());
+            sum[i] = over(sine[i], t[i].abs());
+        }
+        for m in 0..self.count {
+            let (own, term) = ((m + 1) as f32, self.terms[m]);
+            // At t = m the sine is that of t - m with the sign of (-1)^m.
+            let sign = if m % 2 == 0 { -1.0 } else { 1.0 };
+            for i in 0..GROUP {
+                let t = t[i].abs();
+                sum[i] += term * sign * t / (t + own) * over(sign * sine[i], t - own);
+            }
+        }
+        for i in 0..GROUP {
+            out[i] *= sum[i];
+        }
+    }
+}
+
+/// Pattern of a tapered rectangle.
+struct Tapered<'a> {
+    count: usize,
+    peak: f32,
+    sides: [f32; 2],
+    tapers: &'a [Taper; 2],
+    direction: &'a [Row; 3],
+    out: &'a mut Row,
+}
+
+impl Task for Tapered<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { count, peak, sides, tapers, direction, out } = self;
+        for g in 0..lanes_for(count) / GROUP {
+            let (ahead, mut gain) = (group(&direction[0], g), [peak; GROUP]);
+            for (axis, taper) in tapers.iter().enumerate() {
+                let d = group(&direction[axis + 1], g);
+                let mut t = [0.0; GROUP];
+                for i in 0..GROUP {
+                    t[i] = sides[axis] * d[i];
+                }
+                taper.weigh(&t, &mut gain);
+            }
+            let out = group_mut(out, g);
+            for i in 0..GROUP {
+                out[i] *= if ahead[i] > 0.0 { gain[i] } else { 0.0 };
+            }
+        }
+    }
+}
+
+/// `sin(pi t)`.
 #[inline(always)]
-fn sinc(t: f32) -> f32 {
+fn sine_of_half_turns(t: f32) -> f32 {
     const TO_INTEGER: f32 = 12_582_912.0;
     let shifted = t + TO_INTEGER;
     let r = t - (shifted - TO_INTEGER);
@@ -219,8 +314,19 @@ fn sinc(t: f32) -> f32 {
     let z = r * r;
     let c = SINE_OF_HALF_TURNS;
     let series = c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * c[4])));
-    let sine = f32::from_bits((r * series).to_bits() ^ odd.to_bits());
+    f32::from_bits((r * series).to_bits() ^ odd.to_bits())
+}
+
+/// `sine / (pi t)`, 1 at its zero.
+#[inline(always)]
+fn over(sine: f32, t: f32) -> f32 {
     if t.abs() < 1e-6 { 1.0 } else { sine / (std::f32::consts::PI * t) }
+}
+
+/// `sin(pi t) / (pi t)`.
+#[inline(always)]
+fn sinc(t: f32) -> f32 {
+    over(sine_of_half_turns(t), t)
 }
 
 #[cfg(test)]

@@ -41,6 +41,7 @@ use num_complex::Complex64;
 use super::table::{self, OVERSAMPLING, POINTS};
 use super::{Waveform, WaveformError};
 use crate::radar::phasor::phasor;
+use crate::radar::taper::taylor;
 use crate::scene::radar::{Sweep, Taper};
 use crate::units::GAUSS_16;
 
@@ -250,26 +251,6 @@ impl Nlfm {
         }
         sum
     }
-}
-
-/// `F_m` of Taylor's taper with side lobes so far below the peak, dB.
-fn taylor(sidelobe_db: f64) -> Vec<f64> {
-    let squared = (10f64.powf(sidelobe_db / 20.0).acosh() / PI).powi(2);
-    let order = (2.0 * squared + 0.5).ceil().max(2.0);
-    let dilated = order * order / (squared + (order - 0.5).powi(2));
-    let count = order as u32 - 1;
-    let term = |m: f64| {
-        let (mut above, mut below) = (1.0, 1.0);
-        for n in (1..=count).map(f64::from) {
-            above *= 1.0 - m * m / (dilated * (squared + (n - 0.5).powi(2)));
-            if n != m {
-                below *= 1.0 - m * m / (n * n);
-            }
-        }
-        let sign = if m % 2.0 == 0.0 { -0.5 } else { 0.5 };
-        sign * above / below
-    };
-    (1..=count).map(f64::from).map(term).collect()
 }
 
 impl Waveform for Nlfm {

@@ -41,7 +41,9 @@ impl GainArray {
                 let peak = antenna.field_gain(Vector::new(1.0, 0.0, 0.0)).norm_sqr();
                 return Self { peak, ..Self::flat() };
             }
-            Pattern::Rectangle { width_m, height_m } | Pattern::Ellipse { width_m, height_m } => {
+            Pattern::Rectangle { width_m, height_m }
+            | Pattern::Tapered { width_m, height_m, .. }
+            | Pattern::Ellipse { width_m, height_m } => {
                 [width_m, height_m].map(|side_m| aperture(wavelength_m / side_m)).into_iter().unzip()
             }
             Pattern::File { .. } => [(MOST as usize, 1.0 / MOST); 2].into_iter().unzip(),
