@@ -294,7 +294,8 @@ impl Antenna {
         PyArray1::from_slice(py, &self.0.reported_phase_centre_m)
     }
 
-    /// Azimuth and elevation that the encoder of its pedestal reads, float64 [2], degrees; None if it does not scan.
+    /// Azimuth and elevation that the encoder of its pedestal reads, float64 [2], degrees; None if it does
+    /// not scan.
     #[getter]
     fn encoder_deg<'py>(&self, py: Python<'py>) -> Option<Vector<'py>> {
         self.0.encoder_deg.map(|reading_deg| PyArray1::from_slice(py, &reading_deg))

@@ -15,6 +15,7 @@ use crate::scene::radar::{Aim, AimFrom, Gate, Pattern, Pointing, Polarisation, T
 mod ais;
 mod hostile;
 mod receivers;
+mod scanning;
 mod refused;
 mod changes;
 mod continuous;

@@ -3,8 +3,8 @@
 //! [`Track`] is the trajectory of a platform: recorded, straight, live, in turbulence, or as the platform
 //! reports it. [`track`] makes one from recorded fixes with [`outliers`] and [`smoother`]; [`hermite`]
 //! interpolates, [`attitude`] derives what a recording leaves out. [`pointing`] mounts antennas on the body
-//! and turns them, by the law of a [`scan`] too. Live fixes pass a [`gate`]. [`errors`] and [`changes`] are what is wrong with a report,
-//! and what changes of it in mid-run.
+//! and turns them, by the law of a [`scan`] too. Live fixes pass a [`gate`]. [`errors`] and [`changes`] are
+//! what is wrong with a report, and what changes of it in mid-run.
 
 #[doc(hidden)]
 pub mod attitude;

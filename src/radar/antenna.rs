@@ -98,8 +98,8 @@ impl Antenna {
         !matches!(self, Self::Grid(_))
     }
 
-    /// Full sides along y and z in wavelengths: over direction cosines, a field gain has no more cycles a unit
-    /// than half of them. Zero where it is the same everywhere, and of a measured pattern.
+    /// Full sides along y and z in wavelengths: over direction cosines, a field gain has no more cycles a
+    /// unit than half of them. Zero where it is the same everywhere, and of a measured pattern.
     pub fn sides_wavelengths(&self) -> [f64; 2] {
         match *self {
             Self::Isotropic { .. } | Self::Grid(_) => [0.0; 2],

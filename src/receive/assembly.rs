@@ -11,7 +11,7 @@ use crate::pulse::{Pulse, SampleFormat, flags};
 use crate::recording::header::Header;
 use crate::time::TimeTag;
 
-use super::context::{State, is_near};
+use super::context::State;
 use super::open::Open;
 use super::packet::{Frame, Kind, Packet, SECOND_PS};
 use super::track::{Numbers, Track, Verdict};
@@ -292,13 +292,9 @@ impl Assembly {
     ) -> Taken {
         let first_ps = time_ps + (state.window_start_s * SECOND_PS as f64).round() as i128;
         let [platform, of] = state.platform;
-        let windows = state.additions.get(..self.header.layout.windows);
-        let readings = state.additions.get(self.header.layout.windows..);
-        let read = readings.and_then(|all| all.get(..2 * self.scanning.len()));
         if platform >= of
             || of as usize != self.header.layout.platforms
-            || !windows.is_some_and(|windows| windows.iter().all(is_near))
-            || !read.is_some_and(|read| read.iter().all(|deg| deg.is_finite()))
+            || !state.adds(self.header.layout.windows, self.scanning.len())
         {
             return Taken::Stray;
         }

@@ -222,13 +222,21 @@ pub struct State {
     pub ecef_velocity_mps: [f64; 3],
     /// Body to ECEF.
     pub ecef_attitude_quat: [f64; 4],
-    /// What is added: the first sample of every receiver after the emission, s, where receivers have windows of
-    /// their own; azimuth and elevation that the encoder of every antenna that scans reads, degrees; behind
-    /// them what later versions add.
+    /// What is added: the first sample of every receiver after the emission, s, where receivers have windows
+    /// of their own; azimuth and elevation that the encoder of every antenna that scans reads, degrees;
+    /// behind them what later versions add.
     pub additions: Vec<f64>,
 }
 
 impl State {
+    /// Whether it adds the windows of so many receivers, and what so many encoders read.
+    pub(super) fn adds(&self, windows: usize, encoders: usize) -> bool {
+        let starts_s = self.additions.get(..windows);
+        let read = self.additions.get(windows..windows + 2 * encoders);
+        starts_s.is_some_and(|all| all.iter().all(is_near))
+            && read.is_some_and(|all| all.iter().all(|deg| deg.is_finite()))
+    }
+
     /// The emission.
     pub fn time(&self) -> TimeTag {
         TimeTag::new(self.emission.0, self.emission.1)

@@ -21,8 +21,49 @@ fn platform(name: &str, flight: Flight, out: &mut String) {
     }
 }
 
+/// Now and then tapers of an aperture.
+fn tapers(draw: &mut Draw) -> String {
+    let one = |draw: &mut Draw| draw.one(&["uniform", "cosine", "hamming", "taylor"]);
+    if !draw.chance(0.25) {
+        return String::new();
+    }
+    format!(", taper = \"{}\", height_taper = \"{}\"", one(draw), one(draw))
+}
+
+/// A pedestal whose beam passes over the patch, once or again and again; none of an orbit.
+fn scanning(draw: &mut Draw, geometry: &Geometry, flight: &Flight) -> Option<String> {
+    let [x, y, z] = flight.position_m;
+    let level_m = x.hypot(y);
+    let (bearing_deg, elevation_deg) = ((-x).atan2(-y).to_degrees(), -z.atan2(level_m).to_degrees());
+    let across_deg = (geometry.size_m[0].max(geometry.size_m[1]) / level_m).atan().to_degrees();
+    let lasts_s = geometry.lasts_s;
+    let (sense, share, turns) = (draw.one(&[-1.0, 1.0]), draw.between(0.2, 0.8), draw.log(0.3, 4.0));
+    let encoder =
+        draw.one(&["", ", encoder_bits = 12", ", encoder_noise_deg = 0.05, encoder_bias_deg = -0.3"]);
+    let pointing = if draw.chance(0.5) {
+        let rate_deg_s = (sense * across_deg * draw.log(0.5, 100.0) / lasts_s).clamp(-3600.0, 3600.0);
+        let start_deg = (bearing_deg - share * lasts_s * rate_deg_s) % 360.0;
+        let rpm = rate_deg_s / 6.0;
+        format!(
+            "kind = \"scan\", rpm = {rpm:?}, start_deg = {start_deg:?}, elevation_deg = {elevation_deg:?}"
+        )
+    } else {
+        let half_deg = (across_deg * draw.log(0.3, 3.0)).min(80.0);
+        let [from, to] = [-sense, sense].map(|side| bearing_deg + side * half_deg);
+        let rate_deg_s = (2.0 * half_deg * turns / lasts_s).min(3600.0);
+        let turn_ms = (draw.log(0.01, 0.5) * lasts_s * 1e3).max(1.0);
+        let second_deg = (elevation_deg + draw.between(-1.0, 1.0) * across_deg).clamp(-89.0, 89.0);
+        format!(
+            "kind = \"sector\", from_deg = {from:?}, to_deg = {to:?}, rate_deg_s = {rate_deg_s:?}, turn_ms = {turn_ms:?}, \
+             elevations_deg = [{elevation_deg:?}, {second_deg:?}]"
+        )
+    };
+    (level_m < 1e5).then(|| format!("{{ {pointing}, about = \"north\"{encoder} }}"))
+}
+
 /// A transmitter and a receiver, their beams narrower by a factor than drawn.
-pub(super) fn antennas(draw: &mut Draw, geometry: &Geometry, times: f64, out: &mut String) {
+pub(super) fn antennas([draw, scan]: [&mut Draw; 2], geometry: &Geometry, times: f64, out: &mut String) {
+    let scans = !geometry.above && scan.chance(0.15);
     let Geometry { size_m, own, other, .. } = geometry;
     let wavelength_m = LIGHT_MPS / geometry.carrier_hz;
     for (n, role) in ["transmitter", "receiver"].into_iter().enumerate() {
@@ -38,7 +79,10 @@ pub(super) fn antennas(draw: &mut Draw, geometry: &Geometry, times: f64, out: &m
             0..=1 => format!("{{ kind = \"isotropic\", gain_dbi = {:?} }}", draw.between(0.0, 20.0)),
             2 => format!("{{ kind = \"circle\", diameter_m = {width_m:?} }}"),
             3..=4 => format!("{{ kind = \"ellipse\", width_m = {width_m:?}, height_m = {height_m:?} }}"),
-            _ => format!("{{ kind = \"rectangle\", width_m = {width_m:?}, height_m = {height_m:?} }}"),
+            _ => format!(
+                "{{ kind = \"rectangle\", width_m = {width_m:?}, height_m = {height_m:?}{} }}",
+                tapers(scan)
+            ),
         };
         line!(out, "[[{role}]]\nname = \"a{n}\"\nplatform = \"p{platform}\"");
         if n == 0 {
@@ -54,7 +98,12 @@ pub(super) fn antennas(draw: &mut Draw, geometry: &Geometry, times: f64, out: &m
         // From above also past the patch: what lies below is then in side lobes.
         let far = if geometry.above && draw.chance(0.6) { draw.log(1.0, 100.0) } else { 1.0 };
         let off = [0, 1].map(|i| far * draw.between(-0.3, 0.3) * size_m[i]);
-        line!(out, "pointing = {{ kind = \"at\", position_m = [{:?}, {:?}, 0.0] }}", off[0], off[1]);
+        match scanning(scan, geometry, flight).filter(|_| scans) {
+            Some(pointing) => line!(out, "pointing = {pointing}"),
+            None => {
+                line!(out, "pointing = {{ kind = \"at\", position_m = [{:?}, {:?}, 0.0] }}", off[0], off[1])
+            }
+        }
     }
 }
 

@@ -32,6 +32,8 @@ const FINE: u64 = 0xF1E;
 /// The same of coarse errors, and of narrow beams.
 const COARSE: u64 = 0xC0A5E;
 const NARROW: u64 = 0x4A660;
+/// And those of antennas that scan, and tapers.
+const SCAN: u64 = 0x5CA4;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
@@ -226,7 +228,8 @@ pub fn random_scene(seed: u64) -> RandomScene {
     platforms(&mut draw, &geometry, &mut text);
     let mut narrow = Draw(ChaCha8Rng::seed_from_u64(seed ^ NARROW));
     let times = if narrow.chance(0.2) { narrow.log(0.05, 0.5) } else { 1.0 };
-    antennas(&mut draw, &geometry, times, &mut text);
+    let mut scan = Draw(ChaCha8Rng::seed_from_u64(seed ^ SCAN));
+    antennas([&mut draw, &mut scan], &geometry, times, &mut text);
     more_ends(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ ENDS)), (&geometry, &signal), &mut text);
     let mut beside = Draw(ChaCha8Rng::seed_from_u64(seed ^ EMITTERS));
     emitters([&mut beside, &mut kinds], (&geometry, &signal), &mut text);

@@ -185,3 +185,43 @@ fn the_lever_arm_turns_with_the_platform() {
     assert!((centre.velocity - velocity).norm() < 3e-8);
     assert!((centre.acceleration - acceleration).norm() < 3e-8);
 }
+
+/// A pedestal on the deck turns with the ship; one that is kept level knows no roll, and is misled by a wrong
+/// heading.
+#[test]
+fn pedestals_on_a_ship_that_rolls() {
+    let plain = SceneFrame::plain(Earth::Flat);
+    let place = Point::new(0.0, 0.0, 20.0);
+    let (yaw, roll, error) = (0.4, 0.15, 0.02);
+    let truth = Rotation::from_yaw_pitch_roll(yaw, 0.0, roll);
+    let tracks = [PlatformTracks {
+        truth: Track::fixed(place, truth),
+        reported: Track::fixed(place, Rotation::from_yaw_pitch_roll(yaw + error, 0.0, roll)),
+    }];
+    let turning = |level_by| AntennaMount {
+        pointing: Pointing::Scan(Scan {
+            law: ScanLaw::Rotation { rate_rad_per_s: 2.0, start_rad: -0.3, elevation_rad: 0.0 },
+            level_by,
+            encoder: Encoder::default(),
+        }),
+        ..pointed_at(0, [0.0; 3])
+    };
+    for t_s in [0.0, 0.35, 1.1] {
+        let (t, az) = (TimeTag::new(0, t_s), -0.3 + 2.0 * t_s);
+        let of = |level_by| boresight(frame_of(&turning(level_by), &tracks, &plain, t)).raw();
+        // On the deck: ahead by the azimuth, to starboard and down by the roll.
+        let (ahead, starboard) = (az.cos(), az.sin());
+        let nose = Vector::<Enu>::new(yaw.sin(), yaw.cos(), 0.0).raw();
+        let wing = Vector::<Enu>::new(yaw.cos(), -yaw.sin(), 0.0).raw() * roll.cos();
+        let deck = nose * ahead + wing * starboard;
+        assert!((of(None) - deck.with_z(-roll.sin() * starboard)).length() < 1e-12, "{t_s}");
+        // Level: East by the sine of the bearing, North by its cosine.
+        let level = of(Some(AimFrom::True));
+        assert!((level - Vector::<Enu>::new(az.sin(), az.cos(), 0.0).raw()).length() < 1e-12, "{t_s}");
+        // Whoever believes to head more to starboard turns the beam back by as much.
+        let misled = of(Some(AimFrom::Reported));
+        let bearing = misled.x.atan2(misled.y);
+        // Roll takes a small part of it out of the plane: errors of second order.
+        assert!(((bearing - (az - error)).sin()).abs() < error * roll, "{t_s}: {bearing}");
+    }
+}

@@ -17,6 +17,7 @@ mod recording_replaced;
 mod recording_rule;
 mod recording_sigmf;
 mod recording_verify;
+mod scanning;
 #[cfg(all(feature = "shm", target_os = "linux"))]
 mod shm;
 mod windows;

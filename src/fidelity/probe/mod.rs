@@ -316,8 +316,8 @@ impl<'a> ErrorSampler<'a> {
         self.places.len()
     }
 
-    /// Pulses of the run and their power by channel, in the unit of [`Self::power`], the strongest first; empty
-    /// where no antenna scans.
+    /// Pulses of the run and their power by channel, in the unit of [`Self::power`], the strongest first;
+    /// empty where no antenna scans.
     pub fn scanned(&self) -> &[(u64, Powers)] {
         &self.scanned
     }

@@ -7,9 +7,9 @@
 //!
 //! over its nodes and the middles between them: `f_w` is how far waves that travel, or phases that are
 //! forgotten, reach off the Doppler of their facets, and `|r| f_s` what a delay of rate `r` that moves over
-//! the grid adds at the edge of the band that is received. The sum is over both antennas, of sides `a` and `b`
-//! in wavelengths, in whose frames the tile moves: over a unit of `u` the field gain of an aperture has `a/2`
-//! cycles at most.
+//! the grid adds at the edge of the band that is received. The sum is over both antennas, of sides `a` and
+//! `b` in wavelengths, in whose frames the tile moves: over a unit of `u` the field gain of an aperture has
+//! `a/2` cycles at most.
 //!
 //! A facet that shadows hide or uncover has no such bandwidth: what is seen of it is straight from update to
 //! update, with a kink at each. A tile with one is evaluated at every pulse.

@@ -210,7 +210,8 @@ pub(super) fn run_description<'a>(
 /// Bytes of a state without windows of receivers and readings of encoders.
 const STATE_BYTES: usize = 216;
 
-/// Whether every description fits a datagram, and a state with all windows of receivers and readings of encoders.
+/// Whether every description fits a datagram, and a state with all windows of receivers and readings of
+/// encoders.
 pub(super) fn check(header: &Header, room: usize) -> Result<(), RecordingError> {
     let texts = |texts: &[&String]| texts.iter().map(|text| text_bytes(text)).sum::<usize>();
     let channels = header.channels.iter().map(|row| 32 + texts(&channel_texts(row)));
