@@ -93,9 +93,13 @@ fn optional(words: &mut Words<'_>) -> Result<Option<f64>, Malformed> {
     Ok(Some(words.f64()?).filter(|value| value.is_finite()))
 }
 
-fn aimed(words: &mut Words<'_>) -> Result<Aimed, Malformed> {
+/// Kinds of what an antenna looks at; of what a window follows.
+const LOOKS: u32 = 3;
+const FOLLOWED: u32 = 2;
+
+fn aimed(words: &mut Words<'_>, most: u32) -> Result<Aimed, Malformed> {
     let (kind, platform) = (words.u32()?, words.u32()?);
-    if kind > 3 {
+    if kind > most {
         return Err(Malformed::Value("such a place to look at"));
     }
     Ok(Aimed { kind, platform, numbers: finite(words)? })
@@ -107,7 +111,7 @@ pub(super) fn signal(words: &mut Words<'_>) -> Result<SignalDescription, Malform
     Ok(SignalDescription {
         earth_radius_factor: optional(words)?,
         middle_m: finite(words)?,
-        window: aimed(words)?,
+        window: aimed(words, FOLLOWED)?,
         waveform: WaveformRow { kind: words.text()?, sweep_hz_per_s, rate_hz },
         filter: FilterRow { kind: words.text()?, flat_hz, zero_hz },
         error_classes_db: if words.is_empty() { Vec::new() } else { error_classes_db(words)? },
@@ -153,7 +157,7 @@ fn mount(words: &mut Words<'_>, number: [u32; 2], transmits: bool) -> Result<Ant
         _ => None,
     };
     let row = AntennaRow { transmits, lever_arm_m, aperture_m, ..AntennaRow::default() };
-    Ok(AntennaDescription { number, row, platform, look: aimed(words)?, follows: None })
+    Ok(AntennaDescription { number, row, platform, look: aimed(words, LOOKS)?, follows: None })
 }
 
 pub(super) fn antenna(words: &mut Words<'_>) -> Result<AntennaDescription, Malformed> {
@@ -171,7 +175,7 @@ pub(super) fn antenna(words: &mut Words<'_>) -> Result<AntennaDescription, Malfo
             2 => Some(GateRow::Follow { look: Look::default(), lead_s: start_s }),
             _ => None,
         };
-        antenna.follows = Some(aimed(words)?).filter(|_| kind == 2);
+        antenna.follows = Some(aimed(words, FOLLOWED)?).filter(|_| kind == 2);
     }
     Ok(antenna)
 }

@@ -11,6 +11,7 @@ use nereus::pulse::SampleFormat;
 use nereus::pulse::log::{Entry, Log, Origin};
 use nereus::recording::descriptions::{DESCRIPTIONS, Description};
 use nereus::recording::header::Header;
+use nereus::recording::instrument::Look;
 use nereus::sinks::plain::PlainSink;
 use nereus::sinks::sink::Sink;
 
@@ -21,8 +22,12 @@ fn full(format: SampleFormat) -> Header {
     let log = Log::default();
     let text = "clear".to_owned();
     log.enter(Entry { pulse: 1, time_ns: 0, platform: "tower".into(), text, origin: Origin::Control });
-    let mut full = Header { changes: Some(Arc::new(log)), instrument: Some(instrument()), ..header(format) };
-    // Its receiver has a window of its own.
+    let mut instrument = instrument();
+    // Its transmitter scans, and its receiver has a window of its own.
+    let sector_deg = [-30.0, 30.0];
+    instrument.antennas[0].look =
+        Look::Scan { level: false, rate_deg_per_s: 60.0, sector_deg, elevation_deg: 0.0 };
+    let mut full = Header { changes: Some(Arc::new(log)), instrument: Some(instrument), ..header(format) };
     full.layout.windows = 1;
     full
 }

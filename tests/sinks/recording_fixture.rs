@@ -151,6 +151,9 @@ pub fn fill(pulse: &mut Pulse, header: &Header, n: u64) {
         antenna.boresight_quat = std::array::from_fn(|i| value(320 + 4 * a + i));
         antenna.reported_phase_centre_m = std::array::from_fn(|i| value(340 + 3 * a + i));
     }
+    for antenna in header.scanning() {
+        pulse.antennas[antenna].encoder_deg = Some([(n % 360) as f64, value(antenna)]);
+    }
     for k in 0..pulse.target_delay_s.len() {
         pulse.target_delay_s[k] = if k == 1 { f64::NAN } else { value(400 + k) };
         pulse.target_doppler_hz[k] = value(500 + k);

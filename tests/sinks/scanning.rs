@@ -29,6 +29,7 @@ fn reading_deg(n: u64) -> [f64; 2] {
 
 fn read(header: &Header, n: u64) -> Pulse {
     let mut pulse = pulse(header, n);
+    // Otherwise than by the fixture.
     pulse.antennas[1].encoder_deg = Some(reading_deg(n));
     pulse
 }

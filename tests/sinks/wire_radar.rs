@@ -187,6 +187,7 @@ fn what_cannot_be_is_refused() {
         (REPLICA, 16, nan, "a sample of a replica that is no number"),
         (SIGNAL, 16, 0x7ff8_0000, "a length or a frequency that is no number"),
         (SIGNAL, 56, 3, "such a place to look at"),
+        (ANTENNAS, 56, 4, "such a place to look at"),
         (ANTENNAS, 16, 0x7ff8_0000, "a length or a frequency that is no number"),
         (ANTENNAS, 112, u32::MAX, "more than 1024 bytes"),
         (0x4000_0000, 104 + 16, u32::MAX, "so many antennas, or so long a replica,"),
