@@ -11,6 +11,7 @@ use super::merge::MergeArgs;
 use super::monitor::MonitorArgs;
 use super::nav::NavArgs;
 use super::new::NewArgs;
+use super::ppi::PpiArgs;
 use super::receive::ReceiveArgs;
 use super::run::RunArgs;
 use super::sea::SeaArgs;
@@ -64,6 +65,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Make an image of a recording: range compression and bistatic back-projection
     Focus(Box<FocusArgs>),
+    /// Make a plan position picture of a recording of a scanning antenna: power over range and bearing
+    Ppi(PpiArgs),
     /// Fit amplitude distributions to sea clutter against wind azimuth: shape parameters, goodness of fit, a
     /// picture
     Speckle(Box<SpeckleArgs>),
@@ -71,7 +74,7 @@ pub enum Command {
     Receive(ReceiveArgs),
     /// Inspect, convert, play and corrupt recorded navigation
     Nav(NavArgs),
-    /// Read a recording to the end under limits of time and memory: `focus` and `merge` call it
+    /// Read a recording to the end under limits of time and memory: `focus`, `merge` and `ppi` call it
     #[command(hide = true)]
     ExamineRecording(ExamineArgs),
 }

@@ -11,6 +11,7 @@ use crate::bench::speed::SpeedError;
 use crate::pipeline::sea_map::SeaMapError;
 use crate::plot::canvas::PictureFileError;
 use crate::processor::focus::FocusError;
+use crate::processor::ppi::PpiError;
 use crate::recording::field_file::FieldFileError;
 
 /// What was asked for, and cannot be: exit 2.
@@ -119,8 +120,8 @@ impl Refused {
 }
 
 /// The recording that a fault is about, where it does not bear its name.
-fn named(path: &Path, fault: &FocusError) -> String {
-    if matches!(fault, FocusError::Recording(_)) { String::new() } else { format!("{}: ", shown(path)) }
+fn named(path: &Path, bears_its_name: bool) -> String {
+    if bears_its_name { String::new() } else { format!("{}: ", shown(path)) }
 }
 
 /// The error of commands: their own, and those of the library, each with whether the input is wrong.
@@ -177,12 +178,20 @@ macro_rules! causes {
             #[error("{}: no track", shown(.0))]
             NoTrack(PathBuf),
             /// A recording that cannot be focused; what cannot be read bears its name.
-            #[error("{}{source}", named(path, source))]
+            #[error("{}{source}", named(path, matches!(source, FocusError::Recording(_))))]
             Focus {
                 /// The recording.
                 path: PathBuf,
                 /// Why.
                 source: FocusError,
+            },
+            /// A recording without a plan position picture; what cannot be read bears its name.
+            #[error("{}{source}", named(path, matches!(source, PpiError::Recording(_))))]
+            Ppi {
+                /// The recording.
+                path: PathBuf,
+                /// Why.
+                source: PpiError,
             },
             $($(#[$when])? #[doc = $about] #[error(transparent)] $name(#[from] $source),)*
         }
@@ -194,7 +203,7 @@ macro_rules! causes {
                     Self::Output(_) | Self::Run(_) | Self::Signal(_) => false,
                     Self::NotWhole { .. } | Self::NotComplete { .. } | Self::NoTrack(_) => false,
                     Self::NoFit { .. } => false,
-                    Self::Focus { .. } => true,
+                    Self::Focus { .. } | Self::Ppi { .. } => true,
                     $($(#[$when])? Self::$name(error) => {
                         let is_wrong_input: fn(&$source) -> bool = $is_wrong_input;
                         is_wrong_input(error)

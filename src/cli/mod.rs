@@ -19,6 +19,7 @@ mod nav;
 mod new;
 #[cfg(test)]
 mod openings;
+mod ppi;
 mod progress;
 mod receive;
 mod report;
@@ -154,6 +155,7 @@ pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Re
         Command::Monitor(args) => monitor::page::replay(args),
         Command::Verify(args) => verify::verify(args, out),
         Command::Focus(args) => focus::focus(args, out),
+        Command::Ppi(args) => ppi::ppi(args, out),
         Command::Speckle(args) => speckle::speckle(args, out),
         Command::Receive(args) => receive::receive(args, out),
         Command::Nav(args) => nav::nav(args, out),

@@ -267,14 +267,47 @@ impl Canvas {
     /// # Errors
     /// What `out` refuses.
     pub fn write_png(&self, out: impl Write) -> Result<(), PngError> {
+        let mut writer = self.encoder(out).write_header()?;
+        writer.write_image_data(&self.rgb)?;
+        Ok(writer.finish()?)
+    }
+
+    /// Writes an animation as APNG that goes on for ever: so many pictures of one size, each shown for so
+    /// many s (1 ms to 18 h). `draw` makes them one after the other, and only one is in memory.
+    ///
+    /// # Errors
+    /// What `draw` reports, a file that cannot be made or written, and pictures of different sizes.
+    pub fn save_animation<E: From<OutputError> + From<PictureFileError>>(
+        output: Output,
+        pictures: u32,
+        shown_s: f64,
+        mut draw: impl FnMut(u32) -> Result<Self, E>,
+    ) -> Result<(), E> {
+        let (ms, s) = ((shown_s * 1e3).round(), shown_s.round());
+        let delay = if ms <= f64::from(u16::MAX) { (ms.max(1.0) as u16, 1000) } else { (s as u16, 1) };
+        let failed = |error: png::EncodingError| PictureFileError::from(PngError(error));
+        let first = draw(0)?;
+        output.write(|partial| {
+            let file = File::create_new(partial).map_err(OutputError::io(partial, "making the file"))?;
+            let mut encoder = first.encoder(BufWriter::new(file));
+            encoder.set_animated(pictures.max(1), 0).map_err(failed)?;
+            encoder.set_frame_delay(delay.0, delay.1).map_err(failed)?;
+            let mut writer = encoder.write_header().map_err(failed)?;
+            writer.write_image_data(&first.rgb).map_err(failed)?;
+            for picture in 1..pictures {
+                writer.write_image_data(&draw(picture)?.rgb).map_err(failed)?;
+            }
+            Ok(writer.finish().map_err(failed)?)
+        })
+    }
+
+    fn encoder<W: Write>(&self, out: W) -> png::Encoder<'static, W> {
         // Sides are at most MAX_SIDE.
         let mut encoder = png::Encoder::new(out, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.rgb)?;
-        Ok(writer.finish()?)
+        encoder
     }
 
     /// Writes the picture as a file.
@@ -433,5 +466,26 @@ mod tests {
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut pixels).unwrap();
         assert_eq!((info.width, info.height, &pixels), (33, 7, &canvas.rgb));
+    }
+
+    #[test]
+    fn an_animation_reads_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let picture = |n: u32| Canvas::new(5, 3, [n as u8, 0, 7]);
+        let plan =
+            || crate::recording::output::Output::plan(&path, crate::recording::output::FileKind::Png, true);
+        Canvas::save_animation(plan().unwrap(), 3, 2.5, |n| Ok::<_, PictureFileError>(picture(n))).unwrap();
+        let file = std::io::Cursor::new(std::fs::read(&path).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        assert_eq!(reader.info().animation_control().map(|all| all.num_frames), Some(3));
+        for n in 0..3 {
+            let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+            reader.next_frame(&mut pixels).unwrap();
+            let shown = reader.info().frame_control().unwrap();
+            assert_eq!((shown.delay_num, shown.delay_den, &pixels), (2500, 1000, &picture(n).rgb));
+        }
+        let grows = |n: u32| Ok::<_, PictureFileError>(Canvas::new(5 + n as usize, 3, WHITE));
+        assert!(Canvas::save_animation(plan().unwrap(), 2, 1.0, grows).is_err());
     }
 }

@@ -3,6 +3,7 @@
 //! | page | holds |
 //! | --- | --- |
 //! | [`picture`] | a 2-D array in false colours: axes, colour bar, scale bar |
+//! | [`plan`] | what a radar sees around it: range rings, bearing marks, colour bar |
 //! | [`chart`] | curves on linear, logarithmic or decibel axes |
 //! | [`patch`] | fields of a patch of sea, and what its facets contribute to an echo |
 //! | [`body_plan`] | sections of a hull, from ahead and from astern |
@@ -32,4 +33,5 @@ pub mod chart;
 pub mod colours;
 pub mod patch;
 pub mod picture;
+pub mod plan;
 pub mod ticks;

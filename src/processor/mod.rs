@@ -8,6 +8,7 @@
 //! | [`backproject`] | bistatic time-domain back-projection: f64 reference, fast f32 |
 //! | [`point_target`] | what an image makes of a point: width, side lobes, place |
 //! | [`degradation`] | what navigation errors do to a point: predicted from the paths, closed forms |
+//! | [`ppi`] | plan position picture of a scanning antenna: power over range and reported bearing |
 //! | [`multilook`] | means of power, percentiles |
 
 pub mod taper;
@@ -18,5 +19,6 @@ pub mod point_target;
 #[doc(hidden)]
 pub mod degradation;
 pub mod focus;
+pub mod ppi;
 pub(crate) mod comparison;
 pub(crate) mod two_way_gain;

@@ -1,7 +1,7 @@
 //! A recording from elsewhere is read by a process of its own first.
 //!
 //! The HDF5 library is written in C, and its authors do not promise that a forged file does no harm. So
-//! `focus` and `merge` have an HDF5 recording read to the end by this program in a second process
+//! `focus`, `merge` and `ppi` have an HDF5 recording read to the end by this program in a second process
 //! (`nereus examine-recording FILE`), with limits of memory and of time. Only what that process survived is
 //! read again, by the same functions, in this one. docs/decisions/0041-hostile-files.md has the reasons.
 

@@ -40,6 +40,7 @@ mod monitor_client;
 mod nav;
 mod navigation_cases;
 mod polarisation_check;
+mod ppi;
 mod program;
 mod python_tools;
 mod receive;

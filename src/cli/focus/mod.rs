@@ -36,7 +36,7 @@ const NAVS: [Word<Nav>; 3] = [
     ("reported", "Phase centres as the platforms report them", Some(Navigation::Reported)),
     ("both", "Both, side by side: what the errors of the reports do, predicted and measured", None),
 ];
-const TAPERS: [Word<Taper>; 4] = [
+pub(super) const TAPERS: [Word<Taper>; 4] = [
     ("none", "All weights are 1", Taper::Uniform),
     ("hann", "Raised cosine", Taper::Hann),
     ("taylor", "Side lobes of -35 dB", Taper::Taylor),
