@@ -95,7 +95,9 @@ impl<'a> Chooser<'a> {
         )?;
         // No interpolation knows of a jump, and probes may miss it.
         let free = |steps: &[u64]| if generator.aim_jumps() { vec![1] } else { in_units(steps, unit, 1) };
-        let gain_steps = asked.gain_pulses.map_or_else(|| free(&GAIN_PULSES), |pulses| vec![pulses]);
+        // Nor of a beam that passes over a target within a unit.
+        let of_gains = || if generator.scans() { vec![1] } else { free(&GAIN_PULSES) };
+        let gain_steps = asked.gain_pulses.map_or_else(of_gains, |pulses| vec![pulses]);
         let panel_steps = asked.panel_pulses.map_or_else(|| free(&PANEL_PULSES), |pulses| vec![pulses]);
         sampler.follow_points(&gain_steps, &panel_steps)?;
         Ok(Self { scene, generator, waveform, sampler, given: given(asked, fine_surface), gain_steps })

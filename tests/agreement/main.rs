@@ -34,6 +34,7 @@ mod random_waveforms;
 mod rain;
 mod receivers;
 mod runs;
+mod scanning;
 mod same_bits;
 mod scenes;
 mod ships;

@@ -56,7 +56,7 @@ pub struct Points {
     /// Largest rate of a delay.
     pub fastest: f64,
     /// Most power of a pulse over that of random phases, 1 at least.
-    coherence: f64,
+    pub(super) coherence: f64,
     /// Points that are followed, panels of ships last, and from which on they are that.
     followed: Vec<usize>,
     panels_from: usize,
@@ -65,7 +65,7 @@ pub struct Points {
     /// The most that fluctuations make of each target's power at any pulse; empty where there are none.
     most_of_run: Vec<f64>,
     /// First pulses of the stretches.
-    stretches: Vec<u64>,
+    pub(super) stretches: Vec<u64>,
     /// What is left of each point in the whole run over what is left in the stretches; empty where it is the
     /// same.
     unseen: Vec<f64>,
@@ -95,13 +95,13 @@ pub(super) struct Stretch {
     /// When its pulses are, mean intervals.
     at: Vec<f64>,
     /// Points that are followed, pulse by pulse.
-    exact: Vec<ScattererPaths>,
+    pub(super) exact: Vec<ScattererPaths>,
     /// `[pulse][pair]`.
-    lines: Vec<Vec<Line>>,
+    pub(super) lines: Vec<Vec<Line>>,
     /// `[pulse][pair]`: of all points.
     rates: Vec<Vec<Rates>>,
     /// `[pulse]`: the most that multiplies these amplitudes.
-    most: Vec<Variation>,
+    pub(super) most: Vec<Variation>,
 }
 
 /// What multiplies the steady (not fluctuating) amplitudes of points.
@@ -310,6 +310,7 @@ impl ErrorSampler<'_> {
                 self.add_doppler(&stretch, *block, law, &of_facets, worst);
             }
         }
+        self.raise_to_peaks(&mut worst)?;
         Ok(worst.iter().map(|(block, of)| (*block, self.sampled() * self.worst_ratio(of))).collect())
     }
 
@@ -339,7 +340,7 @@ impl ErrorSampler<'_> {
                     let own = &stretch.exact[pulse];
                     for &channel in channels {
                         let left = |n: usize| {
-                            let off_hz = carrier_hz * (own.delay_rate[pair][n] - mean);
+                            let off_hz = carrier_hz * self.off_mean(&own.delay_rate[pair], n, mean);
                             let most = own.amplitude[channel][n].norm() * stretch.most[pulse].of(n, pair);
                             most * law.root(off_hz.abs())
                         };
@@ -369,7 +370,7 @@ impl ErrorSampler<'_> {
     }
 
     /// Points that are followed, at all pulses of a stretch.
-    fn stretch(&mut self, n: usize) -> Result<Rc<Stretch>, RadarError> {
+    pub(super) fn stretch(&mut self, n: usize) -> Result<Rc<Stretch>, RadarError> {
         if let Some(known) = self.known.stretches.get(&n) {
             return Ok(known);
         }

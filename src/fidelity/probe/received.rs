@@ -27,6 +27,42 @@ impl ErrorSampler<'_> {
         })
     }
 
+    /// How far the delay rate of a point is off the mean of its block. A beam that scans may show any of the
+    /// points at the pulses of which the mean is taken: then off whichever is farthest.
+    pub(super) fn off_mean(&self, rates: &[f64], point: usize, mean: f64) -> f64 {
+        let own = rates[point];
+        if !self.generator.scans() {
+            return own - mean;
+        }
+        let finite = rates.iter().filter(|rate| rate.is_finite());
+        finite.fold((own - mean).abs(), |most, rate| most.max((own - rate).abs()))
+    }
+
+    /// Raises what points leave at their strongest pulse in the stretches, by channel, to what that is at the
+    /// strongest of all: a beam that scans may pass over them between two that are looked at.
+    pub(super) fn raise_to_peaks(&mut self, worst: &mut [(u64, Powers)]) -> Result<(), RadarError> {
+        if !self.generator.scans() {
+            return Ok(());
+        }
+        let highest = self.points.highest.clone();
+        let (bounds, mut seen) = ([self.deviations(), self.points.coherence], vec![0.0f64; highest.len()]);
+        for n in 0..self.points.stretches.len() {
+            let stretch = self.stretch(n)?;
+            for ((own, lines), varied) in stretch.exact.iter().zip(&stretch.lines).zip(&stretch.most) {
+                for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
+                    let modulus = |n: usize| own.amplitude[channel][n].norm() * varied.of(n, *pair);
+                    seen[channel] = seen[channel].max(lines[*pair].most(bounds, modulus));
+                }
+            }
+        }
+        let ratio = |(highest, seen): (&f64, &f64)| if *seen > 0.0 { (highest / seen).max(1.0) } else { 1.0 };
+        let missed: Vec<f64> = highest.iter().zip(&seen).map(ratio).collect();
+        for (_, worst) in worst {
+            worst.iter_mut().zip(&missed).for_each(|(worst, missed)| *worst *= missed);
+        }
+        Ok(())
+    }
+
     /// Power of all points by channel, mean over the polarisations that leave in turn.
     pub(super) fn power_of_points(&mut self, index: u64) -> Result<Powers, RadarError> {
         let mut power = vec![0.0; self.radar.channels.len()];
