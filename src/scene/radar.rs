@@ -8,7 +8,7 @@ use crate::frames::{Body, Enu, Point, Vector};
 use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
 
-pub use waveform::{Code, Dechirp, Sweep, Taper, Waveform};
+pub use waveform::{Code, Dechirp, Source, Sweep, Taper, Waveform};
 
 /// The radar: every emission and every receive window of a run.
 #[derive(Clone, Debug, PartialEq)]
