@@ -38,6 +38,8 @@ pub enum Room {
     /// Drops of rain: index = numbers of a box of space (21 bits each), part = slot of time * 256 + level of
     /// the box.
     RainDrop = 40,
+    /// Samples of a continuous signal: the place in the stream is that of the sample.
+    Waveform = 42,
     /// Bytes of a recording that are corrupted on purpose.
     CorruptedBytes = 48,
     /// Errors of a platform's report: index = platform * 256 + axis, part = epoch of the report (two's

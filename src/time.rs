@@ -286,6 +286,11 @@ impl PulseTimes {
         self
     }
 
+    /// The number of pulse `n` among all, those that are left out included.
+    pub fn number(&self, n: u64) -> u64 {
+        n.saturating_add(self.skipped)
+    }
+
     /// Offset of pulse `n` from the first of all: whole seconds and a fraction in [0, 1].
     fn offset(&self, n: u64) -> (i64, f64) {
         match &self.rhythm {

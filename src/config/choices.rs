@@ -70,7 +70,9 @@ choices! {
     Begin { Now = "now", Live = "live" }
     PatchKind { Fixed = "fixed", Follow = "follow" }
     AimKind { At = "at", Beside = "beside" }
-    WaveformKind { Lfm = "lfm", Nlfm = "nlfm", Cw = "cw", PhaseCode = "phase-code", File = "file" }
+    WaveformKind {
+        Lfm = "lfm", Nlfm = "nlfm", Cw = "cw", PhaseCode = "phase-code", File = "file", Noise = "noise"
+    }
     SweepKind { Up = "up", Down = "down", Triangular = "triangular" }
     TaperKind { Taylor = "taylor", Hamming = "hamming" }
     CodeKind { Barker = "barker", Frank = "frank", P3 = "p3", P4 = "p4", MSequence = "m-sequence" }

@@ -216,6 +216,18 @@ impl ReferenceEcho {
     /// ([`Self::in_windows`]).
     pub fn spectrum_in(&self, paths: &ScattererPaths, starts_s: &[f64], out: &mut [Complex64]) -> Coverage {
         out.fill(Complex64::ZERO);
+        self.add_spectrum(self.waveform.as_ref(), paths, starts_s, out)
+    }
+
+    /// Adds to `out` what windows receive of an emission that radiates something else, no longer than the
+    /// pulse that this was made for.
+    pub fn add_spectrum(
+        &self,
+        waveform: &dyn Waveform,
+        paths: &ScattererPaths,
+        starts_s: &[f64],
+        out: &mut [Complex64],
+    ) -> Coverage {
         let mut coverage = Coverage::default();
         let pulse_s = self.waveform.duration_s();
         for (pair, channels) in self.channels_of_pair.iter().enumerate() {
@@ -241,7 +253,7 @@ impl ReferenceEcho {
                 let (shift_hz, stretch) = (self.carrier_hz * rate, 1.0 + rate);
                 let factor = carrier * stretch;
                 for &(k, f_hz, response) in &self.bins {
-                    let pulse = self.waveform.spectrum(stretch * f_hz + shift_hz) * phasor(-f_hz * place_s);
+                    let pulse = waveform.spectrum(stretch * f_hz + shift_hz) * phasor(-f_hz * place_s);
                     let common = factor * pulse * response;
                     for &channel in channels {
                         out[channel * self.fft_len + k] += paths.amplitude[channel][n] * common;

@@ -118,7 +118,9 @@ impl Echoes<'_> {
         if free && of_one_layer > OF_BANDS * budget.power {
             // A second layer costs as much as the first.
             let mut most = 0.5 * of_one_layer;
-            for doppler in [Doppler::Taylor, Doppler::ShiftTaylor] {
+            let swept = self.waveform.sweep_rate_hz_per_s().is_some();
+            let others = [Doppler::Taylor, Doppler::ShiftTaylor];
+            for doppler in others.into_iter().filter(|doppler| swept || !doppler.needs_sweep()) {
                 let other = self.doppler_error(sampler, of(doppler), fft_len, blocks)?;
                 if other.of_blocks(longest) < most {
                     settings.doppler = doppler;
@@ -160,6 +162,8 @@ impl Echoes<'_> {
         let Asked { kernel_width, doppler, variant, .. } = budget.asked;
         let doppler = doppler.unwrap_or(match self.waveform.sweep_rate_hz_per_s() {
             Some(_) => Doppler::Shift,
+            // Segments are often so short that one layer does.
+            None if self.waveform.is_stream() => Doppler::Mean,
             None => Doppler::Taylor,
         });
         let guard_samples = self.generator.guard_samples();

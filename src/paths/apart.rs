@@ -256,14 +256,97 @@ impl PathGenerator {
     ) -> Result<(), RadarError> {
         let emissions = self.emissions_at(index, windows, workspace)?;
         for emitted in emissions {
-            let before = paths.len();
-            self.append_others(index, emitted..emitted + 1, windows, workspace, paths)?;
-            let turns = self.carrier_turns_of(emitted);
-            if turns != 0.0 {
-                paths.turn(before, Complex64::cis(TAU * turns));
-            }
+            self.append_emission((index, emitted), windows, workspace, paths)?;
         }
         Ok(())
+    }
+
+    fn append_emission(
+        &self,
+        (index, emitted): (u64, u64),
+        windows: &[Window],
+        workspace: &mut Workspace,
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
+        let before = paths.len();
+        self.append_others(index, emitted..emitted + 1, windows, workspace, paths)?;
+        let turns = self.carrier_turns_of(emitted);
+        if turns != 0.0 {
+            paths.turn(before, Complex64::cis(TAU * turns));
+        }
+        Ok(())
+    }
+
+    /// Emissions that the windows of a pulse may receive, which start so long after it, s. Fills the record
+    /// of a pulse that has one.
+    ///
+    /// # Errors
+    /// Those of [`Self::pulse`].
+    pub(crate) fn emissions_of_pulse(
+        &self,
+        index: u64,
+        workspace: &mut Workspace,
+        record: &mut Pulse,
+    ) -> Result<Range<u64>, RadarError> {
+        if index >= self.receiving_pulses() {
+            return Err(RadarError::NoSuchPulse { index, pulses: self.receiving_pulses() });
+        }
+        self.fill_record_apart(index, workspace, record)?;
+        let windows = self.windows_from(record.window_starts_s());
+        self.emissions_at(index, &windows, workspace)
+    }
+
+    /// Fills `paths` with what the windows of a pulse receive of one emission, as [`Self::pulse`] does with
+    /// that of all.
+    ///
+    /// # Errors
+    /// Those of [`Self::pulse`].
+    pub(crate) fn paths_of_emission(
+        &self,
+        (index, emitted): (u64, u64),
+        starts_s: &[f64],
+        workspace: &mut Workspace,
+        paths: &mut ScattererPaths,
+    ) -> Result<(), RadarError> {
+        paths.clear();
+        let windows = self.windows_from(starts_s);
+        self.append_emission((index, emitted), &windows, workspace, paths)?;
+        workspace.costs.lap(Stage::ScattererPaths);
+        Ok(())
+    }
+
+    fn windows_from(&self, starts_s: &[f64]) -> Vec<Window> {
+        let of = |open_s: &f64| Window::new(&self.radar, *open_s, self.pulse_length_s);
+        starts_s.iter().map(of).collect()
+    }
+
+    /// The number of an emission in its train, also of one that left before the first pulse.
+    pub(crate) fn number_of(&self, emitted: u64) -> u64 {
+        self.radar.emissions.number(emitted)
+    }
+
+    /// Bounds on all delays of the run, s, as far as a few dozen emissions show: widened by what may change
+    /// between two of them. `None` where nothing returns an emission.
+    ///
+    /// # Errors
+    /// Tracks that do not cover the run.
+    pub(crate) fn delay_span_of_run_s(&self) -> Result<Option<(f64, f64)>, RadarError> {
+        if self.pulses == 0 {
+            return Ok(None);
+        }
+        let (mut own, mut span, mut before) = (self.workspace().own, None, None);
+        let mut most_s: f64 = 0.0;
+        for emitted in self.checked_pulses() {
+            self.evaluate(emitted, &mut own)?;
+            let gap_s = before.map_or(0.0, |n| self.radar.emissions.interval_s(n, emitted));
+            most_s = most_s.max(0.5 * gap_s * self.closing_mps(&own.centres) / SPEED_OF_LIGHT_MPS);
+            before = Some(emitted);
+            span = match (span, self.delay_span_s(emitted, &own)?) {
+                (Some((a, b)), Some((c, d))) => Some((f64::min(a, c), f64::max(b, d))),
+                (one, other) => one.or(other),
+            };
+        }
+        Ok(span.map(|(least_s, longest_s)| (least_s - most_s, longest_s + most_s)))
     }
 
     /// Emissions that windows of a pulse may receive.

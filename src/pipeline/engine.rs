@@ -6,6 +6,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use num_complex::Complex64;
+
 use super::fault::PulseError;
 use super::kit::{Desk, Kit};
 use crate::echo::reference::ReferenceEcho;
@@ -14,6 +16,7 @@ use crate::paths::PathGenerator;
 use crate::paths::list::ScattererPaths;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
+use crate::radar::waveform::Waveform;
 
 /// Slots of pulses that follow each other.
 pub(crate) type Slots<'p> = &'p mut dyn Iterator<Item = &'p mut Pulse>;
@@ -123,6 +126,45 @@ impl EchoWorker for ReferenceWorker<'_> {
         self.echo.spectrum_in(&self.paths, pulse.window_starts_s(), spectrum);
         memory.costs.lap(Stage::Spread);
         memory.costs.accumulated(self.paths.len() * generator.pairs().len());
+        Ok(())
+    }
+}
+
+/// The reference of a train of which no two emissions are alike.
+pub(crate) struct JointReference {
+    pub echo: ReferenceEcho,
+    pub waveform: Arc<dyn Waveform>,
+}
+
+struct JointReferenceWorker<'f> {
+    of: &'f JointReference,
+    paths: ScattererPaths,
+}
+
+impl EchoEngine for JointReference {
+    fn fft_len(&self) -> usize {
+        self.echo.fft_len()
+    }
+
+    fn worker<'f>(&'f self, paths: &PathGenerator) -> Box<dyn EchoWorker + 'f> {
+        Box::new(JointReferenceWorker { of: self, paths: full_list(paths) })
+    }
+}
+
+impl EchoWorker for JointReferenceWorker<'_> {
+    fn fill(&mut self, index: u64, pulse: &mut Pulse, desk: &mut Desk<'_>) -> Result<(), PulseError> {
+        let Self { of: JointReference { echo, waveform }, paths } = self;
+        let Desk { paths: generator, memory, spectrum } = desk;
+        spectrum.fill(Complex64::ZERO);
+        for emitted in generator.emissions_of_pulse(index, memory, pulse)? {
+            let starts_s = pulse.window_starts_s();
+            generator.paths_of_emission((index, emitted), starts_s, memory, paths)?;
+            if let Some(own) = waveform.of_emission(generator.number_of(emitted)) {
+                echo.add_spectrum(own.as_ref(), paths, starts_s, spectrum);
+            }
+            memory.costs.lap(Stage::Spread);
+            memory.costs.accumulated(paths.len() * generator.pairs().len());
+        }
         Ok(())
     }
 }

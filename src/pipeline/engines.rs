@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use super::block::BlockEcho;
-use super::engine::EchoEngine;
+use super::block::{BlockEcho, Joint};
+use super::engine::{EchoEngine, JointReference};
+use super::joined::RINGING_SAMPLES;
 use super::single::SingleEcho;
 use crate::echo::reference::ReferenceEcho;
-use crate::echo::synth::{Precision, Synth, SynthError};
+use crate::echo::synth::{Precision, Settings, Synth, SynthError};
 use crate::fidelity::budget::Plan;
 use crate::paths::PathGenerator;
 use crate::radar::waveform::Waveform;
@@ -26,6 +27,9 @@ pub(crate) fn engine(
 ) -> Result<Arc<dyn EchoEngine>, SynthError> {
     let of_channels = generator.channel_pairs();
     let (carrier_hz, rate_hz, samples) = (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
+    if waveform.is_stream() {
+        return joint(plan, radar, segment, generator, waveform);
+    }
     let waveform = Arc::clone(waveform);
     let Some(Plan { chosen, .. }) = plan else {
         let (pairs, guard) = (of_channels.to_vec(), generator.guard_samples());
@@ -50,4 +54,41 @@ pub(crate) fn engine(
             })
         }
     })
+}
+
+/// The same of a train of which no two emissions are alike.
+fn joint(
+    plan: Option<&Plan>,
+    radar: &Radar,
+    segment: Option<u64>,
+    generator: &PathGenerator,
+    waveform: &Arc<dyn Waveform>,
+) -> Result<Arc<dyn EchoEngine>, SynthError> {
+    let of_channels = generator.channel_pairs();
+    let (carrier_hz, rate_hz) = (radar.carrier_hz, radar.sample_rate_hz);
+    // Tracks were followed before.
+    let delays_s = generator.delay_span_of_run_s().ok().flatten().unwrap_or_default();
+    let joint = Joint::new(waveform, radar, delays_s);
+    let Some(Plan { chosen, .. }) = plan else {
+        let (pairs, guard, samples) = (of_channels.to_vec(), generator.guard_samples(), radar.window.samples);
+        let own = Arc::clone(waveform);
+        let echo = ReferenceEcho::with_guard(own, carrier_hz, rate_hz, samples, pairs, guard);
+        let echo = echo.in_windows(generator.pair_windows());
+        return Ok(Arc::new(JointReference { echo, waveform: Arc::clone(waveform) }));
+    };
+    let guard_samples = chosen.echo.guard_samples.max(RINGING_SAMPLES);
+    let settings = Settings { guard_samples, ..chosen.echo };
+    let (own, samples) = (Arc::clone(waveform), joint.span.samples);
+    let hold = generator.hold_pulses();
+    if chosen.precision == Precision::Double || chosen.block_pulses(hold) == 1 {
+        let synth = Synth::new(own, carrier_hz, rate_hz, samples, of_channels, settings)?;
+        return Ok(Arc::new(SingleEcho::new(synth).joining(joint)));
+    }
+    let synth = Synth::new(own, carrier_hz, rate_hz, samples, of_channels, settings)?;
+    let synth = synth.grouped(&generator.channel_groups());
+    let echo = BlockEcho::new(synth, chosen, generator.receiving_pulses(), hold)?.joining(joint);
+    Ok(Arc::new(match segment {
+        Some(pulses) => echo.in_segments(pulses),
+        None => echo,
+    }))
 }

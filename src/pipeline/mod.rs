@@ -20,6 +20,7 @@ mod engines;
 pub mod factory;
 pub mod focus;
 pub mod fault;
+mod joined;
 mod kit;
 mod mixed;
 #[doc(hidden)]

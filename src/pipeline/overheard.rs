@@ -32,7 +32,7 @@ use crate::pulse::costs::{Costs, Stage};
 use crate::radar::clock::RunningClocks;
 use crate::radar::fault::RadarError;
 use crate::radar::waveform::{self, Offset, Waveform};
-use crate::scene::radar::{Channel, Gate};
+use crate::scene::radar::{Channel, Gate, Waveform as Described};
 use crate::scene::{Emitter, Radar, Scene};
 use crate::time::PulseTimes;
 
@@ -94,7 +94,8 @@ fn one(
 ) -> Result<Emitting, BuildErrors> {
     let radar = &scene.radar;
     let waveform = waveform::from_description(&emitter.waveform)?;
-    check((&emitter.transmitter.name, &emitter.emissions), waveform.duration_s(), window_s(radar))?;
+    let of_train = (emitter.transmitter.name.as_str(), &emitter.emissions);
+    check(of_train, (waveform.duration_s(), waveform.is_stream()), window_s(radar))?;
     let own = scene_of(scene, emitter, [before_s.min(LONGEST_S + waveform.duration_s()), after_s]);
     if own.pulses == 0 && scene.pulses > 0 {
         let (name, start_s) = (emitter.transmitter.name.clone(), emitter.emissions.start_s());
@@ -113,10 +114,15 @@ fn window_s(radar: &Radar) -> f64 {
     radar.window.samples as f64 / radar.sample_rate_hz
 }
 
-/// Refuses pulses that overlap each other, and more of them in a window than anybody would wait for.
-fn check((name, train): (&str, &PulseTimes), pulse_s: f64, window_s: f64) -> Result<(), BuildError> {
+/// Refuses pulses that overlap each other, unless they are segments of one signal, and more of them in a
+/// window than anybody would wait for.
+fn check(
+    (name, train): (&str, &PulseTimes),
+    (pulse_s, is_stream): (f64, bool),
+    window_s: f64,
+) -> Result<(), BuildError> {
     let (name, interval_s) = (name.to_owned(), train.shortest_pri_s());
-    if pulse_s > interval_s * (1.0 + 1e-9) {
+    if pulse_s > interval_s * (1.0 + 1e-9) && !is_stream {
         return Err(BuildError::EmitterOverlaps { name, pulse_s, interval_s });
     }
     let received = (window_s + pulse_s) / interval_s;
@@ -174,7 +180,8 @@ pub(super) fn continuous(
 ) -> Result<Option<(Scene, PathGenerator)>, BuildErrors> {
     let radar = &scene.radar;
     if let (Some(sent), Some(transmitter)) = (&radar.sent, radar.transmitters.first()) {
-        check((&transmitter.name, sent), pulse_s, window_s(radar))?;
+        let is_stream = matches!(radar.waveform, Described::Stream { .. });
+        check((&transmitter.name, sent), (pulse_s, is_stream), window_s(radar))?;
     }
     let until = |to_the_end| {
         let Some(own) = sent_by(scene, to_the_end) else { return Ok(None) };

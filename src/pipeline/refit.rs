@@ -53,7 +53,7 @@ impl Refit {
 }
 
 /// What is left of a sample so many beyond the window.
-fn fade(beyond: usize) -> f64 {
+pub(super) fn fade(beyond: usize) -> f64 {
     let of = beyond.saturating_sub(KEPT_SAMPLES) as f64 / (GUARD_SAMPLES - KEPT_SAMPLES) as f64;
     (0.5 * std::f64::consts::PI * of.min(1.0)).cos().powi(2)
 }

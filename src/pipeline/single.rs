@@ -1,14 +1,17 @@
 //! Pulses one by one, in f64: exact scatterer paths, spread and transformed without a digit lost, for budgets
 //! that blocks cannot keep.
 
+use num_complex::Complex64;
+
 use crate::echo::synth::bands::Bands;
 use crate::echo::synth::block::{BlockPaths, Node};
 use crate::echo::synth::{Grids, Synth, SynthScratch};
 use crate::paths::PathGenerator;
 use crate::paths::list::ScattererPaths;
-use crate::pipeline::block::check;
+use crate::pipeline::block::{Joint, check};
 use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, full_list};
 use crate::pipeline::fault::PulseError;
+use crate::pipeline::joined::{Echo, Joined};
 use crate::pipeline::kit::Desk;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
@@ -16,6 +19,8 @@ use crate::pulse::costs::Stage;
 /// Makes echoes pulse by pulse. Immutable, shared by all threads.
 pub(crate) struct SingleEcho {
     synth: Synth<f64>,
+    /// Where no two emissions are alike.
+    joint: Option<Joint>,
 }
 
 struct SingleWorker<'f> {
@@ -25,17 +30,23 @@ struct SingleWorker<'f> {
     grids: Grids<f64>,
     scratch: SynthScratch<f64>,
     bands: Option<Bands<f64>>,
+    joint: Option<(&'f Joint, Joined)>,
 }
 
 impl SingleEcho {
     pub fn new(synth: Synth<f64>) -> Self {
-        Self { synth }
+        Self { synth, joint: None }
+    }
+
+    /// The same where no two emissions are alike.
+    pub fn joining(self, joint: Joint) -> Self {
+        Self { joint: Some(joint), ..self }
     }
 }
 
 impl EchoEngine for SingleEcho {
     fn fft_len(&self) -> usize {
-        self.synth.fft_len()
+        self.joint.as_ref().map_or(self.synth.fft_len(), Joint::out_len)
     }
 
     fn needs(&self) -> Needs {
@@ -51,13 +62,17 @@ impl EchoEngine for SingleEcho {
             grids: synth.grids(),
             scratch: synth.scratch(),
             bands: synth.settings().band_hz.map(|_| synth.bands()),
+            joint: self.joint.as_ref().map(|joint| (joint, joint.joined(synth.fft_len()))),
         })
     }
 }
 
 impl EchoWorker for SingleWorker<'_> {
     fn fill(&mut self, index: u64, pulse: &mut Pulse, desk: &mut Desk<'_>) -> Result<(), PulseError> {
-        let Self { synth, paths, block, grids, scratch, bands } = self;
+        if self.joint.is_some() {
+            return self.fill_joint(index, pulse, desk);
+        }
+        let Self { synth, paths, block, grids, scratch, bands, .. } = self;
         let Desk { paths: generator, memory, spectrum } = desk;
         generator.pulse(index, memory, paths, pulse)?;
         let (starts_s, costs) = (pulse.window_starts_s(), &mut memory.costs);
@@ -77,6 +92,57 @@ impl EchoWorker for SingleWorker<'_> {
             block.found()
         };
         costs.accumulated(found.spread);
+        Ok(())
+    }
+}
+
+impl SingleWorker<'_> {
+    /// A pulse from the emissions that it receives, each by itself.
+    fn fill_joint(&mut self, index: u64, pulse: &mut Pulse, desk: &mut Desk<'_>) -> Result<(), PulseError> {
+        let Self { synth, paths, block, grids, scratch, bands, joint } = self;
+        let Some((joint, joined)) = joint else { return Ok(()) };
+        let Desk { paths: generator, memory, spectrum } = desk;
+        let emissions = generator.emissions_of_pulse(index, memory, pulse)?;
+        let (starts_s, windows) = (pulse.window_starts_s(), generator.pair_windows());
+        let channels = generator.channel_pairs().len();
+        joined.clear(channels);
+        let mut replicas = Vec::new();
+        for emitted in emissions {
+            generator.paths_of_emission((index, emitted), starts_s, memory, paths)?;
+            let own = joint.waveform.of_emission(generator.number_of(emitted));
+            let Some(own) = own.filter(|_| !paths.is_empty()) else { continue };
+            let offset_s = generator.offset_s(index, emitted);
+            let origin_s = [offset_s + joint.span.origin_s];
+            let mut bins = vec![Complex64::ZERO; channels * synth.fft_len()];
+            let found = if let (Some(band_hz), Some(bands)) = (synth.settings().band_hz, bands.as_mut()) {
+                synth.emission_in_bands(own.as_ref(), paths, &origin_s, band_hz, bands, &mut bins)?
+            } else {
+                synth.fill_without_replicas(&[Node { pulse: 0, paths }], &[origin_s], block)?;
+                synth.spread(block, grids);
+                synth.replicas_of(own.as_ref(), block.frame().mean_hz(), &mut replicas);
+                synth.spectrum_by(&replicas, (block.frame(), 0), grids, scratch, &mut bins);
+                block.found()
+            };
+            check(found)?;
+            let mut echoes: Vec<Echo> = Vec::new();
+            for (channel, pair) in generator.channel_pairs().iter().enumerate() {
+                let window = windows.get(*pair).copied().filter(|_| starts_s.len() > 1).unwrap_or(0);
+                let start_s = starts_s.get(window).copied().unwrap_or(0.0);
+                let (later, rest) = joined.place(offset_s, start_s);
+                let known = echoes.iter().position(|echo| echo.is(emitted, rest));
+                let at = known.unwrap_or_else(|| {
+                    echoes.push(joined.echo(emitted, rest, bins.clone()));
+                    echoes.len() - 1
+                });
+                joined.add(channel, &echoes[at], later);
+            }
+            memory.costs.lap(Stage::Spread);
+            memory.costs.accumulated(found.spread);
+        }
+        for (channel, out) in spectrum.chunks_exact_mut(joint.out_len()).enumerate() {
+            joined.spectrum(channel, out);
+        }
+        memory.costs.lap(Stage::Transform);
         Ok(())
     }
 }

@@ -18,6 +18,7 @@
 //! | [`Nlfm`] | nonlinear sweep, by a taper of its power spectrum | `4 <= B Tc <= 2e4` |
 //! | [`Coded`] | chips of equal length: phase codes, or one chip: a plain pulse | 65536 chips |
 //! | [`Sampled`] | samples from a file, band-limited to their rate | 131072 samples |
+//! | [`Stream`] | a continuous signal, a segment with every emission: [`Noise`] | 64 to 1048576 samples a segment |
 //!
 //! ```
 //! use nereus::radar::waveform::{Lfm, Waveform};
@@ -31,13 +32,18 @@
 
 mod coded;
 mod fresnel;
+mod gridded;
 mod lfm;
 mod nlfm;
+mod noise;
 mod offset;
 mod sampled;
+mod shaping;
+mod stream;
 mod table;
 mod triangular;
 
+use std::f64::consts::PI;
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -45,13 +51,17 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use thiserror::Error;
 
+use crate::radar::phasor::phasor;
 use crate::scene;
+use crate::scene::radar::Source;
 
 pub use coded::Coded;
 pub use lfm::Lfm;
 pub use nlfm::{MAX_NONLINEAR, MIN_NONLINEAR, Nlfm, SIDELOBES_DB};
+pub use noise::Noise;
 pub(crate) use offset::Offset;
 pub use sampled::{MAX_SAMPLES, Sampled};
+pub use stream::{SEGMENT_SAMPLES, Signal, Stream};
 pub use triangular::Triangular;
 
 /// Largest time-bandwidth product of a sweep: the spectrum is then still exact to 1e-7 of its peak.
@@ -79,6 +89,21 @@ pub trait Waveform: Send + Sync {
     /// `p(t)`, dimensionless.
     fn sample(&self, t_s: f64) -> Complex64;
 
+    /// Spectrum of `(t - Tc/2) p(t)`, s^2, at any baseband frequency.
+    fn moment_spectrum(&self, f_hz: f64) -> Complex64 {
+        by_differences(self, f_hz)
+    }
+
+    /// What an emission radiates where no two are alike; `None` where all are this pulse.
+    fn of_emission(&self, _emission: u64) -> Option<Arc<dyn Waveform>> {
+        None
+    }
+
+    /// Whether no two emissions are alike ([`Self::of_emission`]).
+    fn is_stream(&self) -> bool {
+        false
+    }
+
     /// Rate of a linear sweep, Hz/s, negative when it falls; `None` for anything else.
     fn sweep_rate_hz_per_s(&self) -> Option<f64> {
         None
@@ -93,6 +118,20 @@ pub trait Waveform: Send + Sync {
     fn span_samples(&self, sample_rate_hz: f64) -> usize {
         ((self.duration_s() * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as usize).max(1)
     }
+}
+
+/// [`Waveform::moment_spectrum`] by 8-point central differences of the spectrum, step `1/(16 Tc)`.
+fn by_differences<W: Waveform + ?Sized>(waveform: &W, f_hz: f64) -> Complex64 {
+    let half_s = 0.5 * waveform.duration_s();
+    let step_hz = 1.0 / (32.0 * half_s);
+    let centred = |f: f64| waveform.spectrum(f) * phasor(f * half_s);
+    let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+    let mut slope = Complex64::ZERO;
+    for (i, weight) in weights.iter().enumerate() {
+        let h = step_hz * (i + 1) as f64;
+        slope += (centred(f_hz + h) - centred(f_hz - h)) * *weight;
+    }
+    Complex64::I / (2.0 * PI) * slope / step_hz * phasor(-f_hz * half_s)
 }
 
 /// The waveform of a description. Reads the file of a sampled one.
@@ -113,6 +152,12 @@ pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn 
         scene::radar::Waveform::Cw { duration_s } => Arc::new(Coded::plain(*duration_s)?),
         scene::radar::Waveform::PhaseCode { code, chip_s } => Arc::new(Coded::new(*code, *chip_s)?),
         scene::radar::Waveform::Samples { path, rate_hz } => Arc::new(Sampled::from_file(path, *rate_hz)?),
+        scene::radar::Waveform::Stream { source, interval_s } => {
+            let signal: Arc<dyn Signal> = match source {
+                Source::Noise { bandwidth_hz, seed } => Arc::new(Noise::new(*bandwidth_hz, *seed)),
+            };
+            Arc::new(Stream::new(signal, *interval_s)?)
+        }
     })
 }
 
@@ -171,6 +216,16 @@ pub enum WaveformError {
         chips: usize,
         /// What is allowed.
         allowed: &'static str,
+    },
+    /// Segments of a continuous signal out of range.
+    #[error(
+        "a segment of {samples} samples is not allowed: {} to {}, by the rate of the signal times the pulse interval",
+        SEGMENT_SAMPLES[0],
+        SEGMENT_SAMPLES[1]
+    )]
+    Segment {
+        /// Samples of an interval.
+        samples: f64,
     },
     /// Rate of the samples out of range.
     #[error("waveform sample rate {rate_hz} Hz is not allowed: more than 0, finite")]

@@ -39,6 +39,7 @@ mod same_bits;
 mod scenes;
 mod ships;
 mod spectra;
+mod streams;
 mod stretched;
 mod synth_error;
 mod synth_laws;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use rand::Rng;
 
 use super::random_scene::{Draw, Flight, Geometry, LIGHT_MPS, Signal, line};
-use super::random_waveforms::waveform;
+use super::random_waveforms::{noise, waveform};
 
 const LOOKS: &str = "antenna = { kind = \"isotropic\", gain_dbi = 12.0 }\npointing = { kind = \"at\", position_m = [0.0, 0.0, 0.0] }";
 
@@ -109,7 +109,7 @@ pub(super) fn antennas([draw, scan]: [&mut Draw; 2], geometry: &Geometry, times:
 
 /// Now and then one or two emitters, seldom or often heard, near the carrier or on it, weak or strong.
 pub(super) fn emitters(
-    [draw, kinds]: [&mut Draw; 2],
+    [draw, kinds, streams]: [&mut Draw; 3],
     (geometry, signal): (&Geometry, &Signal),
     out: &mut String,
 ) {
@@ -129,15 +129,19 @@ pub(super) fn emitters(
             draw.log(1e-4, 10.0)
         );
         let sweep = format!("bandwidth_hz = {bandwidth_hz:?}, pulse_s = {pulse_s:?}");
-        let radiated = waveform(kinds, sweep, bandwidth_hz, pulse_s);
+        let radiated = waveform(kinds, sweep, bandwidth_hz, pulse_s).join(", ");
+        let endless = noise(streams, signal.rate_hz);
+        let radiated = endless.as_ref().map_or(&radiated, |(keys, _)| keys);
         line!(
             out,
             "waveform = {{ {} }}\npolarisation = \"{}\"\ndirect_path = {}",
-            radiated.join(", "),
+            radiated,
             draw.one(&["H", "V", "R", "L"]),
             draw.chance(0.7)
         );
-        if draw.chance(0.3) {
+        let staggered = draw.chance(0.3);
+        let prf_hz = endless.as_ref().map_or(prf_hz, |(_, prf_hz)| *prf_hz);
+        if staggered && endless.is_none() {
             let interval_us = 1e6 / prf_hz;
             line!(out, "pri_us = [{interval_us:?}, {:?}]", 1.1 * interval_us);
         } else {

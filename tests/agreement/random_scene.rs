@@ -12,7 +12,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::random_ends::{antennas, emitters, more_ends};
-use super::random_waveforms::{dechirp, waveform};
+use super::random_waveforms::{continuous, dechirp, waveform};
 
 pub(super) const LIGHT_MPS: f64 = 299_792_458.0;
 /// Keeps draws of slow time apart from those of the rest.
@@ -27,6 +27,8 @@ const ENDS: u64 = 0xE4D5;
 const EMITTERS: u64 = 0x0E17;
 /// And those of kinds of waveforms.
 const WAVEFORMS: u64 = 0x3A7E;
+/// And those of continuous signals.
+const STREAMS: u64 = 0x57EA;
 /// And those of errors between blocks and exact pulses.
 const FINE: u64 = 0xF1E;
 /// The same of coarse errors, and of narrow beams.
@@ -209,6 +211,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
     let mut signal = Signal::drawn(&mut draw, &geometry);
     overlap(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ OVERLAP)), &mut geometry, &mut signal);
     let mut kinds = Draw(ChaCha8Rng::seed_from_u64(seed ^ WAVEFORMS));
+    let mut streams = Draw(ChaCha8Rng::seed_from_u64(seed ^ STREAMS));
     let dechirp = dechirp(&mut kinds, &geometry, &mut signal);
     let asked_db = draw.one(&[-30.0, -40.0, -45.0, -50.0, -60.0, -60.0, -60.0, -70.0, -75.0, -80.0]);
     let mut fine = Draw(ChaCha8Rng::seed_from_u64(seed ^ FINE));
@@ -232,7 +235,8 @@ pub fn random_scene(seed: u64) -> RandomScene {
     antennas([&mut draw, &mut scan], &geometry, times, &mut text);
     more_ends(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ ENDS)), (&geometry, &signal), &mut text);
     let mut beside = Draw(ChaCha8Rng::seed_from_u64(seed ^ EMITTERS));
-    emitters([&mut beside, &mut kinds], (&geometry, &signal), &mut text);
+    emitters([&mut beside, &mut kinds, &mut streams], (&geometry, &signal), &mut text);
+    let mut text = continuous(&mut streams, (&geometry, &signal), &text).unwrap_or(text);
     line!(text, "[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
     line!(text, "[stream]\npace = \"fast\"\nthreads = 1");
     RandomScene { family, asked_db, text }

@@ -2,6 +2,7 @@
 //! length.
 
 use super::random_scene::{Draw, Geometry, Signal};
+use super::random_scenes::variable;
 
 /// Now and then the delay of a reference that echoes are dechirped by, s, near the patch, and a lower rate at
 /// which they are sampled: some of their beats are filtered away, or nearly all.
@@ -57,4 +58,64 @@ pub(super) fn waveform(draw: &mut Draw, sweep: String, bandwidth_hz: f64, pulse_
         }
         _ => text(&["kind = \"lfm\"".to_owned(), sweep]),
     }
+}
+
+/// Whether something radiates a continuous signal; the variable `NEREUS_STREAMS` makes it so in every scene
+/// that may have one.
+fn streams(draw: &mut Draw, share: f64) -> bool {
+    draw.chance(share) || variable("NEREUS_STREAMS", 0) > 0
+}
+
+/// A bandwidth, Hz, and segments a second of a signal at a sample rate, short enough for a reference.
+fn segments(draw: &mut Draw, rate_hz: f64) -> [f64; 2] {
+    let samples = draw.log(100.0, 1500.0);
+    [draw.log(70.0 / samples, 1.0) * rate_hz, rate_hz / samples]
+}
+
+/// Now and then noise in place of an emitter's waveform: its keys, and segments a second.
+pub(super) fn noise(draw: &mut Draw, rate_hz: f64) -> Option<(String, f64)> {
+    streams(draw, 0.25).then(|| {
+        let [bandwidth_hz, prf_hz] = segments(draw, rate_hz);
+        (format!("kind = \"noise\", bandwidth_hz = {bandwidth_hz:?}"), prf_hz)
+    })
+}
+
+/// Now and then noise of a radar that receives continuously in place of its pulses and windows, for as few
+/// samples as its reference can make.
+pub(super) fn continuous(
+    draw: &mut Draw,
+    (geometry, signal): (&Geometry, &Signal),
+    text: &str,
+) -> Option<String> {
+    let refused = ["rain_clutter", "window = {", "[radar.dechirp]"];
+    if !streams(draw, 0.06) || refused.iter().any(|keys| text.contains(keys)) {
+        return None;
+    }
+    let samples = draw.log(300.0, 2000.0) as u64;
+    let [bandwidth_hz, prf_hz] = segments(draw, signal.rate_hz);
+    let block_s = samples as f64 / signal.rate_hz;
+    // The first echo comes late.
+    let lasts_s = geometry.delays_s()[1] + 11.5 * block_s;
+    let (mut table, mut out) = (String::new(), Vec::new());
+    for line in text.lines() {
+        if line.starts_with('[') {
+            table = line.to_owned();
+            match line {
+                "[radar.waveform]" => {
+                    out.push(format!("{line}\nkind = \"noise\"\nbandwidth_hz = {bandwidth_hz:?}"));
+                }
+                "[radar.window]" => out.push(format!("{line}\ngate = \"continuous\"\nsamples = {samples}")),
+                _ => out.push(line.to_owned()),
+            }
+            continue;
+        }
+        let key = line.split(" = ").next().unwrap_or_default();
+        match (table.as_str(), key) {
+            ("[radar.waveform]" | "[radar.window]", _) => {}
+            ("[radar]", "prf_hz" | "pri_us") => out.push(format!("prf_hz = {prf_hz:?}")),
+            ("[scene]", "duration_s") => out.push(format!("duration_s = {lasts_s:?}")),
+            _ => out.push(line.to_owned()),
+        }
+    }
+    Some(out.join("\n") + "\n")
 }

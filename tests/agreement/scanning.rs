@@ -20,7 +20,7 @@ fn settings<'a>(
     all
 }
 
-/// Beams that pass over targets within a few pulses, at PRFs at which plans look at every fifth pulse or less.
+/// Beams that pass over targets within a few pulses, at PRFs at which plans look at every fifth pulse or so.
 #[test]
 fn targets_are_passed_over_as_they_are() {
     for (rpm, start_deg, prf_hz, duration_s) in some_of([

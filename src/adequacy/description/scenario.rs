@@ -150,6 +150,11 @@ fn waveform_text(waveform: &Waveform) -> String {
         Waveform::PhaseCode { code, chip_s } => {
             format!("{} code, {} chips of {} us", code.name(), code.chips(), neat(chip_s * 1e6))
         }
+        Waveform::Stream { source, interval_s } => {
+            let wide = source.bandwidth_hz().map(|hz| format!(" of {} MHz", neat(hz / 1e6)));
+            let wide = wide.unwrap_or_default();
+            format!("{}{wide}, continuous, in segments of {} us", source.name(), neat(interval_s * 1e6))
+        }
         Waveform::Samples { path, rate_hz } => {
             format!("samples of {} at {} MHz", shown(path), neat(rate_hz / 1e6))
         }

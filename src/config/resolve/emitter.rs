@@ -1,7 +1,7 @@
 //! What radiates besides.
 
 use super::antenna::{self, MountKeys, mount_keys};
-use super::signal::{emissions, waveform};
+use super::signal::{emissions, waveform as waveform_of};
 use super::{Ground, Names};
 use crate::config::error::Problem;
 use crate::config::keys;
@@ -27,16 +27,17 @@ pub(super) fn emitters(
     let sections = root.sections(&keys::root::EMITTER);
     let found: Vec<Option<Emitter>> = sections
         .into_iter()
-        .map(|section| {
+        .zip(1..)
+        .map(|(section, number)| {
             names.take(&section, &keys::emitter::NAME, &[known.transmitters, known.receivers]);
-            emitter(section, names.last(), ground, known, radar)
+            emitter((section, number), names.last(), ground, known, radar)
         })
         .collect();
     found.into_iter().collect()
 }
 
 fn emitter(
-    section: Section<'_>,
+    (section, number): (Section<'_>, u64),
     name: Option<String>,
     ground: &Ground,
     known: &Known<'_>,
@@ -49,7 +50,8 @@ fn emitter(
     let carrier_hz = if section.has(&k::CARRIER_HZ) { own_hz } else { of_radar_hz };
     let emissions = emissions(&section, [&k::PRF_HZ, &k::PRI_US]);
     let start_us = section.number(&k::START_US);
-    let waveform = section.section(&k::WAVEFORM).and_then(|section| waveform(section, None));
+    let waveform = section.section(&k::WAVEFORM);
+    let waveform = waveform.and_then(|section| waveform_of(section, None, (emissions.as_ref(), number)));
     let polarisation = section.choice(&k::POLARISATION);
     let receivers = known.receivers.find_all(&section, &k::HEARD_BY);
     let (direct_path, echo) = (section.flag(&k::DIRECT_PATH), section.flag(&k::ECHO));

@@ -62,7 +62,8 @@ pub(super) fn radar(
     let emissions = emissions(&section, [&k::PRF_HZ, &k::PRI_US]);
     let dechirped = section.has(&k::DECHIRP);
     let widest_hz = sample_rate_hz.filter(|_| !dechirped);
-    let waveform = section.section(&k::WAVEFORM).and_then(|s| waveform(s, widest_hz));
+    let waveform =
+        section.section(&k::WAVEFORM).and_then(|s| waveform(s, widest_hz, (emissions.as_ref(), 0)));
     let pulse_s = waveform.as_ref().and_then(Waveform::duration_s);
     // What a front end takes, if there is one.
     let wide_hz = waveform.as_ref().and_then(Waveform::bandwidth_hz).filter(|_| dechirped);
@@ -107,6 +108,11 @@ pub(super) fn radar(
     }
     plausible::band(&section, waveform.as_ref());
     plausible::intervals(&section, emissions.as_ref(), pulse_s, limits.window_s.filter(|_| !continuous));
+    if let (Some(Waveform::Stream { source, .. }), Some(_), false) = (&waveform, &window, continuous) {
+        let found = format!("kind = \"{}\" of a radar with windows", source.name());
+        let allowed = "gate = \"continuous\" in [radar.window], or an [[emitter]] of this kind".to_owned();
+        section.fault(&k::WAVEFORM, Problem::Type { found, allowed });
+    }
     if continuous {
         let own_windows = receivers.iter().flatten().any(|receiver| receiver.gate.is_some());
         let known = calibration.as_ref().is_some_and(|list| !list.is_empty());

@@ -4,7 +4,8 @@ use crate::config::choices::{Choice, CodeKind, SweepKind, TaperKind, WaveformKin
 use crate::config::error::Problem;
 use crate::config::keys::{Key, figure};
 use crate::config::section::Section;
-use crate::scene::radar::{Code, Sweep, Taper, Waveform};
+use crate::radar::waveform::SEGMENT_SAMPLES;
+use crate::scene::radar::{Code, Source, Sweep, Taper, Waveform};
 use crate::time::PulseTimes;
 
 /// Bandwidth times length of nonlinear sweeps: the least, and the most.
@@ -28,8 +29,13 @@ pub(super) fn emissions(section: &Section<'_>, keys: [&'static Key; 2]) -> Optio
     }
 }
 
-/// A waveform, which may be no wider than a sample rate if that is given.
-pub(super) fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Option<Waveform> {
+/// A waveform, which may be no wider than a sample rate if that is given; of a train, and of the radar or an
+/// emitter by its number.
+pub(super) fn waveform(
+    section: Section<'_>,
+    sample_rate_hz: Option<f64>,
+    (train, number): (Option<&PulseTimes>, u64),
+) -> Option<Waveform> {
     use crate::config::keys::waveform::{BANDWIDTH_HZ, CHIP_S, KIND, PATH, PULSE_S, RATE_HZ, SWEEP};
     let too_wide = |key: &'static Key, bandwidth_hz: f64| {
         if let Some(sample_rate_hz) = sample_rate_hz.filter(|rate_hz| bandwidth_hz > *rate_hz) {
@@ -82,10 +88,51 @@ pub(super) fn waveform(section: Section<'_>, sample_rate_hz: Option<f64>) -> Opt
             let (path, rate_hz) = (section.file(&PATH), section.number(&RATE_HZ));
             path.zip(rate_hz).map(|(path, rate_hz)| Waveform::Samples { path, rate_hz })
         }
+        Some(WaveformKind::Noise) => {
+            let (bandwidth_hz, seed) = (section.number(&BANDWIDTH_HZ), seed(&section, number));
+            bandwidth_hz.into_iter().for_each(|bandwidth_hz| too_wide(&BANDWIDTH_HZ, bandwidth_hz));
+            let source = bandwidth_hz.zip(seed).map(|(hz, seed)| Source::Noise { bandwidth_hz: hz, seed });
+            source.and_then(|source| stream(&section, source, bandwidth_hz, train))
+        }
         None => None,
     };
     section.finish();
     waveform
+}
+
+/// What a random signal is drawn by: its place, unless it is given.
+fn seed(section: &Section<'_>, number: u64) -> Option<u64> {
+    use crate::config::keys::waveform::SEED;
+    if section.has(&SEED) { section.count(&SEED) } else { Some(number) }
+}
+
+/// A continuous signal of so many samples a second, in segments as long as the pulse interval.
+fn stream(
+    section: &Section<'_>,
+    source: Source,
+    rate_hz: Option<f64>,
+    train: Option<&PulseTimes>,
+) -> Option<Waveform> {
+    use crate::config::keys::waveform::KIND;
+    let (train, kind) = (train?, source.name());
+    let refused = |found: String, allowed: String| {
+        section.fault(&KIND, Problem::Type { found, allowed });
+        None
+    };
+    if !train.is_uniform() {
+        let found = format!("kind = \"{kind}\" with pri_us");
+        return refused(found, "prf_hz: segments of a continuous signal are equally long".to_owned());
+    }
+    let interval_s = train.mean_pri_s();
+    let [least, most] = SEGMENT_SAMPLES;
+    let samples = rate_hz.map(|rate_hz| rate_hz * interval_s);
+    if let Some(samples) = samples.filter(|samples| !(least..=most).contains(samples)) {
+        let found = format!("kind = \"{kind}\" with segments of {} samples", figure(samples));
+        let allowed =
+            format!("{} to {} samples in an interval, by prf_hz and its rate", figure(least), figure(most));
+        return refused(found, allowed);
+    }
+    Some(Waveform::Stream { source, interval_s })
 }
 
 /// Of a sweep that has one.

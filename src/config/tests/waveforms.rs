@@ -1,7 +1,13 @@
 //! Waveforms: what they say, and what they may not.
 
 use super::*;
-use crate::scene::radar::{Code, Sweep, Taper, Waveform};
+use crate::scene::radar::{Code, Source, Sweep, Taper, Waveform};
+
+/// A continuous signal.
+const ENDLESS: [(&str, &str); 2] = [
+    ("radar.window", "{ gate = 'continuous', samples = 1000 }"),
+    ("radar.waveform", "{ kind = 'noise', bandwidth_hz = 1e6, seed = 5 }"),
+];
 
 /// Scenarios by which every key of a waveform is read.
 pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
@@ -12,7 +18,7 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
     ]
     .map(|waveform| vec![("radar.waveform", waveform)])
     .into_iter()
-    .chain([vec![("radar.dechirp", "{ delay_us = 0 }")]])
+    .chain([vec![("radar.dechirp", "{ delay_us = 0 }")], ENDLESS.to_vec()])
     .map(|settings| (COASTAL, settings))
     .collect()
 }
@@ -105,6 +111,30 @@ radar.waveform.pulse_s: bandwidth_hz times pulse_s = 0.2 is not allowed; allowed
 radar.waveform.pulse_s: is missing; required: a number above 0, up to 10 s
 radar.waveform.bandwidth_hz: not allowed here (kind = "cw")
 "#);
+}
+
+#[test]
+fn a_continuous_signal_is_cut_by_the_interval() {
+    let radar = coastal_with(&ENDLESS).unwrap().scene.radar;
+    let interval_s = radar.sends().mean_pri_s();
+    let source = Source::Noise { bandwidth_hz: 1e6, seed: 5 };
+    assert_eq!(radar.waveform, Waveform::Stream { source, interval_s });
+    let seedless = [ENDLESS[0], ("radar.waveform", "{ kind = 'noise', bandwidth_hz = 1e6 }")];
+    let source = Source::Noise { bandwidth_hz: 1e6, seed: 0 };
+    let radar = coastal_with(&seedless).unwrap().scene.radar;
+    assert_eq!(radar.waveform, Waveform::Stream { source, interval_s });
+    let refused = |more: &[(&str, &str)]| {
+        let error = coastal_with(&[&ENDLESS[..], more].concat()).unwrap_err();
+        error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
+    };
+    let windows = refused(&[("radar.window", "{ samples = 512, start_us = 20 }")]);
+    assert!(windows.contains("gate = \"continuous\" in [radar.window], or an [[emitter]]"), "{windows}");
+    let short = refused(&[("radar.prf_hz", "20000")]);
+    assert!(short.contains("with segments of 50 samples") && short.contains("64 to 1.048576e6"), "{short}");
+    let wide = refused(&[("radar.waveform.bandwidth_hz", "2e8")]);
+    assert!(wide.contains("radar.waveform.bandwidth_hz: 2e8 Hz exceeds the sample rate"), "{wide}");
+    let pulse = refused(&[("radar.waveform.pulse_s", "1e-3")]);
+    assert!(pulse.contains("radar.waveform.pulse_s: not allowed here (kind = \"noise\")"), "{pulse}");
 }
 
 /// A radar of a bandwidth far above its sample rate, that is dechirped.

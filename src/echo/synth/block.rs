@@ -30,6 +30,7 @@ use super::spread::{DelayPolynomials, Emitted, TICKS};
 use super::{Settings, Synth, SynthError};
 use crate::echo::reference::of_window;
 use crate::paths::list::ScattererPaths;
+use crate::radar::waveform::Waveform;
 
 /// Most pulses of a block.
 pub const MAX_PULSES: usize = 1024;
@@ -223,6 +224,21 @@ impl<T: Scalar> Synth<T> {
         windows_s: &[W],
         block: &mut BlockPaths<T>,
     ) -> Result<(), SynthError> {
+        self.fill_without_replicas(nodes, windows_s, block)?;
+        self.fill_replicas(&mut block.frame);
+        Ok(())
+    }
+
+    /// The same without what takes grids to spectra, for who has that by [`Self::replicas_of`].
+    ///
+    /// # Errors
+    /// As [`Self::fill`].
+    pub fn fill_without_replicas<W: AsRef<[f64]>>(
+        &self,
+        nodes: &[Node<'_>],
+        windows_s: &[W],
+        block: &mut BlockPaths<T>,
+    ) -> Result<(), SynthError> {
         let pulses = windows_s.first().map_or(0, |of| of.as_ref().len());
         self.check(nodes, pulses, windows_s.iter().flat_map(AsRef::as_ref))?;
         let means: [f64; 0] = [];
@@ -230,7 +246,6 @@ impl<T: Scalar> Synth<T> {
         for pair in 0..self.pairs {
             block.frame.mean_hz[pair] = self.mean_hz(nodes, pair);
         }
-        self.fill_replicas(&mut block.frame);
         block.frame.level();
         let frame = std::mem::take(&mut block.frame);
         self.fill_paths(nodes, &frame, 0..pulses, block);
@@ -527,14 +542,20 @@ impl<T: Scalar> Synth<T> {
 
     /// `P H / phihat` of every layer about its pair's mean Doppler, with the place of the grid's first cell.
     fn fill_replicas(&self, frame: &mut Frame) {
+        self.replicas_of(self.waveform.as_ref(), &frame.mean_hz, &mut frame.replicas);
+    }
+
+    /// What takes grids to spectra where this is radiated, `[layer][bin]`, about these mean Dopplers of the
+    /// pairs, Hz.
+    pub fn replicas_of(&self, waveform: &dyn Waveform, mean_hz: &[f64], out: &mut Vec<Vec<Complex64>>) {
         let correction = self.correction();
-        for (layer, replica) in self.layers.iter().zip(&mut frame.replicas) {
-            let mean_hz = frame.mean_hz[layer.pair];
+        out.resize_with(self.layers.len(), Vec::new);
+        for (layer, replica) in self.layers.iter().zip(out) {
+            let mean_hz = mean_hz.get(layer.pair).copied().unwrap_or(0.0);
             replica.clear();
             replica.extend(self.bins.iter().map(|bin| {
                 let (f_hz, factor) =
                     doppler::stretched(self.settings.envelope, self.carrier_hz, bin.f_hz, mean_hz);
-                let waveform = self.waveform.as_ref();
                 let pulse = if layer.moment {
                     // Amplitudes are times the length of a pulse.
                     let of = (bin.f_hz, f_hz);

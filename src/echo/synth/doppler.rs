@@ -61,6 +61,9 @@ use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
 use crate::radar::waveform::Waveform;
 
+/// Bins that are looked at of a continuous signal.
+const SAMPLED_BINS: usize = 2048;
+
 /// What is done about the Doppler of a scatterer path that differs from the mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -140,7 +143,7 @@ impl Correction {
     pub fn moment(&self, waveform: &dyn Waveform, (f_hz, at_hz): (f64, f64), mean_hz: f64) -> Complex64 {
         let shifted_s = self.sweep.map_or(0.0, |mu| (f_hz + self.about_hz(mean_hz)) / mu);
         let known = waveform.spectrum(at_hz) * (self.middle_s - self.half_s + shifted_s);
-        let all = moment_spectrum(waveform, at_hz) * (1.0 + f_hz * self.stretch);
+        let all = waveform.moment_spectrum(at_hz) * (1.0 + f_hz * self.stretch);
         Complex64::I * (-2.0 * PI) * (all - known)
     }
 
@@ -185,13 +188,20 @@ pub fn rigid_error_power(
     fft_len: usize,
     rate: f64,
 ) -> f64 {
-    relative_power(passed(sample_rate_hz, fft_len).map(|(f_hz, response)| {
+    let step = step_of(waveform, fft_len);
+    relative_power(passed(sample_rate_hz, fft_len).step_by(step).map(|(f_hz, response)| {
         let [exact, rigid] = [Envelope::Stretched, Envelope::Rigid].map(|envelope| {
             let (at_hz, factor) = stretched(envelope, carrier_hz, f_hz, carrier_hz * rate);
             waveform.spectrum(at_hz) * factor
         });
         (response, exact, rigid)
     }))
+}
+
+/// Bins from one to the next that says enough: of the long transforms of a continuous signal, whose spectrum
+/// is random, some thousand do.
+fn step_of(waveform: &dyn Waveform, fft_len: usize) -> usize {
+    if waveform.is_stream() { (fft_len / SAMPLED_BINS).max(1) } else { 1 }
 }
 
 /// Frequencies of the bins of a transform that the receive filter passes, and how much of their power.
@@ -212,20 +222,6 @@ fn relative_power(bins: impl Iterator<Item = (f64, Complex64, Complex64)>) -> f6
         all += response * exact.norm_sqr();
     }
     if all > 0.0 { wrong / all } else { 0.0 }
-}
-
-/// Spectrum of `(t - Tc/2) p(t)`, s^2.
-fn moment_spectrum(waveform: &dyn Waveform, f_hz: f64) -> Complex64 {
-    let half_s = 0.5 * waveform.duration_s();
-    let step_hz = 1.0 / (32.0 * half_s);
-    let centred = |f: f64| waveform.spectrum(f) * phasor(f * half_s);
-    let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
-    let mut slope = Complex64::ZERO;
-    for (i, weight) in weights.iter().enumerate() {
-        let h = step_hz * (i + 1) as f64;
-        slope += (centred(f_hz + h) - centred(f_hz - h)) * *weight;
-    }
-    Complex64::I / (2.0 * PI) * slope / step_hz * phasor(-f_hz * half_s)
 }
 
 /// Expected `|error|^2 / |echo|^2` of a scatterer path `residual_hz` off the mean `mean_hz`, after the
@@ -288,7 +284,8 @@ impl<'a> MeanEcho<'a> {
             };
             Bin { f_hz, response, factor, spectrum, moment }
         };
-        let bins = passed(sample_rate_hz, fft_len).map(of).collect();
+        let step = step_of(waveform, fft_len);
+        let bins = passed(sample_rate_hz, fft_len).step_by(step).map(of).collect();
         Self { doppler, envelope, waveform, carrier_hz, mean_hz, bins }
     }
 

@@ -109,6 +109,11 @@ impl Frame {
         self.windows_s.first().map_or(0, Vec::len)
     }
 
+    /// Mean Doppler of each pair, Hz.
+    pub fn mean_hz(&self) -> &[f64] {
+        &self.mean_hz
+    }
+
     /// Turns of the carrier so many mean intervals after the first emission.
     pub(super) fn turns_at(&self, slow: f64) -> f64 {
         self.carrier_turns[0] + self.carrier_turns[1] * slow

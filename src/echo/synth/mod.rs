@@ -534,6 +534,18 @@ impl<T: Scalar> Synth<T> {
         scratch: &mut SynthScratch<T>,
         out: &mut [Complex64],
     ) {
+        self.spectrum_by(&frame.replicas, (frame, pulse), grids, scratch, out);
+    }
+
+    /// The same where something else was radiated ([`Synth::replicas_of`]).
+    pub fn spectrum_by(
+        &self,
+        replicas: &[Vec<Complex64>],
+        (frame, pulse): (&Frame, usize),
+        grids: &Grids<T>,
+        scratch: &mut SynthScratch<T>,
+        out: &mut [Complex64],
+    ) {
         out.fill(Complex64::ZERO);
         let filled = |layer: &Layer| frame.fills(pulse, layer.group);
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| filled(layer)) {
@@ -541,7 +553,7 @@ impl<T: Scalar> Synth<T> {
                 grids.fold(pulse, index, at, &mut scratch.cells);
                 self.transform.process_with_scratch(&mut scratch.cells, &mut scratch.transform);
                 let bins = &mut out[channel * self.fft_len..][..self.fft_len];
-                for (bin, replica) in self.bins.iter().zip(&frame.replicas[index]) {
+                for (bin, replica) in self.bins.iter().zip(&replicas[index]) {
                     let value = scratch.cells[bin.grid_k];
                     bins[bin.k] += Complex64::new(value.re.into(), value.im.into()) * replica;
                 }

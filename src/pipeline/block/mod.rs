@@ -21,6 +21,8 @@
 
 mod doppler;
 mod exact;
+mod joint;
+mod points;
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -43,6 +45,9 @@ use crate::pipeline::fault::PulseError;
 use crate::pipeline::kit::Desk;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
+
+pub(crate) use joint::Joint;
+use joint::JointWork;
 
 /// Most pulses of which points have polynomials in common: phases are rounded by the square of their number.
 const POINT_PULSES: usize = 192;
@@ -81,6 +86,8 @@ pub(crate) struct BlockEcho {
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
     pulses: u64,
+    /// Where no two emissions are alike.
+    joint: Option<Joint>,
 }
 
 /// The block at hand, and what makes the next; one per thread.
@@ -115,6 +122,8 @@ struct BlockWork {
     panels: Option<Box<PanelWork>>,
     /// For pulses that are taken in bands of Doppler.
     bands: Option<Bands<f32>>,
+    /// Where grids are those of emissions.
+    joint: Option<Box<JointWork>>,
     /// Scatterer paths of the block at hand that are spread, over all pairs.
     spread: usize,
 }
@@ -126,7 +135,7 @@ struct BlockWorker<'f> {
 
 impl EchoEngine for BlockEcho {
     fn fft_len(&self) -> usize {
-        self.synth.fft_len()
+        self.joint.as_ref().map_or(self.synth.fft_len(), Joint::out_len)
     }
 
     fn segment_pulses(&self) -> u64 {
@@ -144,7 +153,10 @@ impl EchoEngine for BlockEcho {
         let part = chosen.block_pulses(self.hold_pulses);
         // Segments of pulses that are not those emitted stay.
         let length = if self.length == self.part { part } else { self.length };
-        block.map(|_| Arc::new(Self { synth, borders, length, part, ..*self }) as Arc<dyn EchoEngine>)
+        let joint = self.joint.clone();
+        block
+            .filter(|_| part > 1 || joint.is_none())
+            .map(|_| Arc::new(Self { synth, borders, length, part, joint, ..*self }) as Arc<dyn EchoEngine>)
     }
 
     fn worker<'f>(&'f self, paths: &PathGenerator) -> Box<dyn EchoWorker + 'f> {
@@ -162,6 +174,11 @@ impl BlockEcho {
     /// The same in segments of so many pulses, whatever falls into these.
     pub fn in_segments(self, pulses: u64) -> Self {
         Self { length: pulses.clamp(1, MAX_PULSES as u64), ..self }
+    }
+
+    /// The same where no two emissions are alike.
+    pub fn joining(self, joint: Joint) -> Self {
+        Self { joint: Some(joint), ..self }
     }
 
     /// For a run of so many pulses.
@@ -195,6 +212,7 @@ impl BlockEcho {
             between: chosen.between,
             least_power: chosen.least_power,
             pulses,
+            joint: None,
         })
     }
 
@@ -226,6 +244,7 @@ impl BlockEcho {
             factors: Vec::with_capacity(breakers * pairs * part),
             panels: generator.panel_work(variant, self.pulses_of_panels()),
             bands: self.band_hz().map(|_| self.synth.bands()),
+            joint: self.joint.as_ref().map(|joint| Box::new(JointWork::new(joint, self.synth.fft_len()))),
             spread: 0,
         }
     }
@@ -262,6 +281,10 @@ impl BlockEcho {
             spectrum.fill(Complex64::ZERO);
             return Ok(());
         }
+        if self.joint.is_some() {
+            self.join((index, pulse), generator, memory, spectrum, work);
+            return Ok(());
+        }
         let BlockWork { made, frame, grids, scratch, .. } = &mut *work;
         self.synth.spectrum_in(frame, grids, (index - made.start) as usize, scratch, spectrum);
         memory.costs.lap(Stage::Transform);
@@ -295,7 +318,18 @@ impl BlockEcho {
         if self.part == 1 || !self.receives(generator, first..end, memory, work)? {
             return self.prepare_single(generator, index, pulse, memory, work);
         }
-        generator.pulse_groups(first, (end - first) as usize, &mut work.own_groups);
+        // Grids are those of pulses, or of the emissions at hand.
+        let mut gridded = first..end;
+        if let (Some(Joint { span, .. }), Some(own)) = (&self.joint, &mut work.joint) {
+            gridded = work.received.emissions();
+            own.begin(gridded.start);
+            for starts_s in &mut work.windows_s {
+                starts_s.clear();
+                starts_s.resize((gridded.end - gridded.start) as usize, span.origin_s);
+            }
+        }
+        let count = (gridded.end - gridded.start) as usize;
+        generator.pulse_groups(gridded.start, count, &mut work.own_groups);
         work.frame.fill_own(&work.own_groups);
         let lead = self.part(generator, work);
         work.silent = work.parts.is_empty();
@@ -396,7 +430,14 @@ impl BlockEcho {
         work.tiers = Tiers::new(instants, self.sidelobe).with_wake(self.wake_epochs);
         let alone = work.received.is_alone();
         work.frame.receives.clear();
-        if !alone {
+        if let Some(joint) = &work.joint {
+            let at = |emitted: u64| (emitted - from) as usize;
+            work.frame.receives.extend(emissions.clone().map(|emitted| Receives {
+                emission: at(emitted),
+                pulse: (emitted - joint.first) as usize,
+                offset_s: 0.0,
+            }));
+        } else if !alone {
             let of = |(pulse, of): (usize, &Range<u64>)| {
                 let index = first + pulse as u64;
                 let held = of.start.max(from)..of.end.min(emissions.end);
@@ -518,61 +559,6 @@ impl BlockEcho {
     /// Pulses whose panels of ships are found together, at most.
     fn pulses_of_panels(&self) -> usize {
         ((NODES - 1) * self.panel_pulses + 1).min(POINT_PULSES).min(self.part as usize)
-    }
-
-    /// Targets and direct paths of some emissions, counted from the first.
-    fn targets(
-        &self,
-        generator: &PathGenerator,
-        first: u64,
-        pulses: Range<usize>,
-        memory: &mut Workspace,
-        work: &mut BlockWork,
-    ) -> Result<(), PulseError> {
-        let BlockWork { nodes, variations, factors, .. } = &mut *work;
-        let (at, count) = nodes_within(pulses.len());
-        for (node, place) in nodes.iter_mut().zip(&at[..count]) {
-            generator.steady_targets(first + (pulses.start + place) as u64, memory, node)?;
-        }
-        factors.clear();
-        if generator.targets_vary() {
-            for pulse in pulses.clone() {
-                generator.target_variations(first + pulse as u64, None, memory, variations)?;
-                factors.extend_from_slice(variations);
-            }
-        }
-        self.spread_stretch(pulses, memory, work)?;
-        Ok(())
-    }
-
-    /// Panels of ships of so many emissions; says how many paths are spread.
-    fn panels(
-        &self,
-        generator: &PathGenerator,
-        (first, pulses): (u64, usize),
-        memory: &mut Workspace,
-        work: &mut BlockWork,
-        panels: &mut PanelWork,
-    ) -> Result<usize, PulseError> {
-        let parts = pulses.div_ceil(self.pulses_of_panels());
-        let mut spread = 0;
-        for part in 0..parts {
-            // Parts as long as each other: nodes lie as close as they can.
-            let own = part * pulses / parts..(part + 1) * pulses / parts;
-            let (at, count) = nodes_within(own.len());
-            let at = &at[..count];
-            let of_run = first + own.start as u64..first + own.end as u64;
-            generator.panels(of_run, at, panels, &mut work.nodes[..count])?;
-            memory.costs.lap(Stage::ScattererPaths);
-            if work.nodes[0].is_empty() {
-                continue;
-            }
-            let found = self.spread_nodes(own, memory, work, |part, _| {
-                (0..generator.pairs().len()).for_each(|pair| part.set_factors(pair, panels.factors(pair)));
-            })?;
-            spread = spread.max(found);
-        }
-        Ok(spread)
     }
 }
 

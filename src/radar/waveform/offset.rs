@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use super::Waveform;
+use super::{Waveform, by_differences};
 
 /// A waveform whose carrier lies so far above that of the receiver:
 ///
@@ -15,11 +15,14 @@ use super::Waveform;
 pub(crate) struct Offset {
     waveform: Arc<dyn Waveform>,
     offset_hz: f64,
+    /// Whether it is a continuous signal or a segment of one.
+    of_stream: bool,
 }
 
 impl Offset {
     pub fn new(waveform: Arc<dyn Waveform>, offset_hz: f64) -> Self {
-        Self { waveform, offset_hz }
+        let of_stream = waveform.is_stream();
+        Self { waveform, offset_hz, of_stream }
     }
 }
 
@@ -42,6 +45,22 @@ impl Waveform for Offset {
 
     fn spectrum(&self, f_hz: f64) -> Complex64 {
         self.waveform.spectrum(f_hz - self.offset_hz)
+    }
+
+    fn moment_spectrum(&self, f_hz: f64) -> Complex64 {
+        if self.of_stream {
+            return self.waveform.moment_spectrum(f_hz - self.offset_hz);
+        }
+        by_differences(self, f_hz)
+    }
+
+    fn of_emission(&self, emission: u64) -> Option<Arc<dyn Waveform>> {
+        let own = self.waveform.of_emission(emission)?;
+        Some(Arc::new(Self { waveform: own, ..*self }))
+    }
+
+    fn is_stream(&self) -> bool {
+        self.waveform.is_stream()
     }
 
     fn sample(&self, t_s: f64) -> Complex64 {

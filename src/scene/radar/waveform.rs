@@ -52,10 +52,46 @@ pub enum Waveform {
         /// Rate of the samples, Hz.
         rate_hz: f64,
     },
+    /// A continuous signal, of which every emission radiates the next segment.
+    Stream {
+        /// The signal.
+        source: Source,
+        /// Interval of the emissions, s.
+        interval_s: f64,
+    },
+}
+
+/// A continuous signal of mean power 1.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Source {
+    /// White complex Gaussian noise.
+    Noise {
+        /// Bandwidth, between points of a quarter of the power density, Hz.
+        bandwidth_hz: f64,
+        /// What it is drawn by.
+        seed: u64,
+    },
+}
+
+impl Source {
+    /// What scenarios call it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Noise { .. } => "noise",
+        }
+    }
+
+    /// Occupied bandwidth, Hz; `None` where a file has it.
+    pub fn bandwidth_hz(&self) -> Option<f64> {
+        match self {
+            Self::Noise { bandwidth_hz, .. } => Some(*bandwidth_hz),
+        }
+    }
 }
 
 impl Waveform {
-    /// Length of the pulse, s; `None` where a file has it.
+    /// Length of the pulse, s; `None` where a file has it, and of a continuous signal.
     pub fn duration_s(&self) -> Option<f64> {
         match self {
             Self::Lfm { duration_s, .. }
@@ -63,7 +99,7 @@ impl Waveform {
             | Self::Nlfm { duration_s, .. }
             | Self::Cw { duration_s } => Some(*duration_s),
             Self::PhaseCode { code, chip_s } => Some(code.chips() as f64 * chip_s),
-            Self::Samples { .. } => None,
+            Self::Samples { .. } | Self::Stream { .. } => None,
         }
     }
 
@@ -75,6 +111,7 @@ impl Waveform {
             | Self::Nlfm { bandwidth_hz, .. } => Some(*bandwidth_hz),
             Self::Cw { duration_s } => Some(duration_s.recip()),
             Self::PhaseCode { chip_s, .. } => Some(chip_s.recip()),
+            Self::Stream { source, .. } => source.bandwidth_hz(),
             Self::Samples { .. } => None,
         }
     }
@@ -97,6 +134,7 @@ impl Waveform {
             Self::Cw { .. } => "cw",
             Self::PhaseCode { .. } => "phase-code",
             Self::Samples { .. } => "samples",
+            Self::Stream { source, .. } => source.name(),
         }
     }
 }

@@ -1,0 +1,108 @@
+//! Blocks of a continuous signal: grids are those of emissions, which windows then receive a part of.
+
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use super::{BlockEcho, BlockWork};
+use crate::paths::{PathGenerator, Workspace};
+use crate::pipeline::joined::{Echo, Joined, Span};
+use crate::pulse::Pulse;
+use crate::pulse::costs::Stage;
+use crate::radar::waveform::Waveform;
+use crate::scene::radar::Radar;
+
+/// What is radiated by a train of which no two emissions are alike, and who receives it.
+#[derive(Clone)]
+pub(crate) struct Joint {
+    pub waveform: Arc<dyn Waveform>,
+    pub span: Span,
+    pub sample_rate_hz: f64,
+    pub window_samples: usize,
+}
+
+impl Joint {
+    /// For a radar with these delays, s.
+    pub fn new(waveform: &Arc<dyn Waveform>, radar: &Radar, delays_s: (f64, f64)) -> Self {
+        let (sample_rate_hz, window_samples) = (radar.sample_rate_hz, radar.window.samples);
+        let span = Span::new(delays_s, waveform.span_samples(sample_rate_hz), sample_rate_hz);
+        Self { waveform: Arc::clone(waveform), span, sample_rate_hz, window_samples }
+    }
+
+    /// Bins of the spectrum of a window.
+    pub fn out_len(&self) -> usize {
+        Joined::out_len(self.window_samples)
+    }
+
+    /// What joins spectra of so many bins.
+    pub fn joined(&self, len: usize) -> Joined {
+        Joined::new(self.span, self.sample_rate_hz, self.window_samples, len)
+    }
+}
+
+/// Echoes of emissions of the block at hand.
+pub(super) struct JointWork {
+    joined: Joined,
+    echoes: Vec<Echo>,
+    /// First emission that has grids.
+    pub first: u64,
+    replicas: Vec<Vec<Complex64>>,
+}
+
+impl JointWork {
+    pub fn new(joint: &Joint, len: usize) -> Self {
+        Self { joined: joint.joined(len), echoes: Vec::new(), first: 0, replicas: Vec::new() }
+    }
+
+    /// Begins another block, whose grids are those of the emissions from one on.
+    pub fn begin(&mut self, first: u64) {
+        self.echoes.clear();
+        self.first = first;
+    }
+}
+
+impl BlockEcho {
+    /// The spectra of a pulse from the grids of the emissions that it receives.
+    pub(super) fn join(
+        &self,
+        (index, pulse): (u64, &Pulse),
+        generator: &PathGenerator,
+        memory: &mut Workspace,
+        spectrum: &mut [Complex64],
+        work: &mut BlockWork,
+    ) {
+        let BlockWork { made, received, frame, grids, scratch, joint: own, spread, .. } = work;
+        let (Some(joint), Some(own)) = (&self.joint, own) else { return };
+        let emissions = received.of_pulses().get((index - made.start) as usize).cloned().unwrap_or(0..0);
+        let (starts_s, windows) = (pulse.window_starts_s(), generator.pair_windows());
+        let (channels, out_len) = (generator.channel_pairs().len(), joint.out_len());
+        let JointWork { joined, echoes, first, replicas } = &mut **own;
+        joined.clear(channels);
+        echoes.retain(|echo| emissions.contains(&echo.emission));
+        for emitted in emissions {
+            let offset_s = generator.offset_s(index, emitted);
+            for (channel, pair) in generator.channel_pairs().iter().enumerate() {
+                let window = windows.get(*pair).copied().filter(|_| starts_s.len() > 1).unwrap_or(0);
+                let start_s = starts_s.get(window).copied().unwrap_or(0.0);
+                let (later, rest) = joined.place(offset_s, start_s);
+                let known = echoes.iter().position(|echo| echo.is(emitted, rest));
+                let at = known.unwrap_or_else(|| {
+                    if let Some(waveform) = joint.waveform.of_emission(generator.number_of(emitted)) {
+                        self.synth.replicas_of(waveform.as_ref(), frame.mean_hz(), replicas);
+                    }
+                    let mut bins = vec![Complex64::ZERO; channels * self.synth.fft_len()];
+                    let of = (&*frame, (emitted - *first) as usize);
+                    self.synth.spectrum_by(replicas, of, grids, scratch, &mut bins);
+                    echoes.push(joined.echo(emitted, rest, bins));
+                    echoes.len() - 1
+                });
+                joined.add(channel, &echoes[at], later);
+            }
+        }
+        for (channel, out) in spectrum.chunks_exact_mut(out_len).enumerate() {
+            joined.spectrum(channel, out);
+        }
+        memory.costs.lap(Stage::Transform);
+        memory.costs.accumulated(*spread);
+    }
+}

@@ -1,0 +1,206 @@
+//! A continuous signal, radiated in segments without a gap.
+//!
+//! ```text
+//! s(t) = sum_j s_j h(R t - j)                        the signal, j = 0, 1, ..  (shaping)
+//! p_k(u) = sum_{k q <= j < (k+1) q} s_j h(R u - K - (j - k q))    segment k, u from its emission t_k = k T
+//! P_k(f) = H(f/R)/R sum_j s_j e^{-j 2 pi f (K + j - k q)/R}
+//! ```
+//!
+//! `R` rate of the samples, Hz; `T` interval of the emissions, s; `q = R T` samples an interval, whole or
+//! not; `K` reach of the interpolation. Every sample belongs to one segment, so that all segments together
+//! are `s(t - K/R)`, exactly: the signal as a converter's filter of finite length puts it out, `K` samples
+//! late. A segment is `T + 2 K/R` long, for it has the tails of its samples.
+
+use std::sync::{Arc, OnceLock};
+
+use num_complex::Complex64;
+
+use super::gridded::{Gridded, Plan};
+use super::shaping::{REACH, kernel, response};
+use super::{Waveform, WaveformError};
+use crate::radar::phasor::phasor;
+
+/// Samples of a segment: the least, and the most.
+pub const SEGMENT_SAMPLES: [f64; 2] = [64.0, 1_048_576.0];
+
+/// Samples of a continuous signal, of mean power 1 once they are interpolated.
+pub trait Signal: Send + Sync {
+    /// What it is, in a word or two.
+    fn name(&self) -> &str;
+
+    /// Rate of the samples, Hz.
+    fn rate_hz(&self) -> f64;
+
+    /// Occupied bandwidth, Hz.
+    fn bandwidth_hz(&self) -> f64;
+
+    /// Fills in the samples from one on, whatever was asked before.
+    fn fill(&self, first: u64, out: &mut [Complex64]);
+}
+
+/// A continuous signal in segments.
+#[derive(Clone)]
+pub struct Stream {
+    signal: Arc<dyn Signal>,
+    /// Samples of an interval, whole and the rest.
+    whole: u64,
+    rest: f64,
+    duration_s: f64,
+    plan: Plan,
+    /// Segment 0.
+    first: Arc<Segment>,
+}
+
+/// One segment of a continuous signal.
+struct Segment {
+    name: String,
+    rate_hz: f64,
+    bandwidth_hz: f64,
+    duration_s: f64,
+    samples: Vec<Complex64>,
+    /// When the first sample has its peak, samples after the emission.
+    at: f64,
+    plan: Plan,
+    sum: Gridded,
+    /// Of samples times their number from the middle.
+    moment: OnceLock<Gridded>,
+}
+
+impl Stream {
+    /// A signal whose segments leave at this interval, s.
+    ///
+    /// # Errors
+    /// Segments of too few or too many samples.
+    pub fn new(signal: Arc<dyn Signal>, interval_s: f64) -> Result<Self, WaveformError> {
+        let rate_hz = signal.rate_hz();
+        let samples = rate_hz * interval_s;
+        // That of a whole number is that number.
+        let samples = if (samples - samples.round()).abs() < 1e-9 { samples.round() } else { samples };
+        let [least, most] = SEGMENT_SAMPLES;
+        if !(least..=most).contains(&samples) {
+            return Err(WaveformError::Segment { samples });
+        }
+        let (whole, rest) = (samples.floor(), samples.fract());
+        let duration_s = interval_s + 2.0 * REACH as f64 / rate_hz;
+        let plan = Plan::new(whole as usize + 2);
+        let first = segment(&signal, &plan, duration_s, (whole as u64, rest), 0);
+        Ok(Self { signal, whole: whole as u64, rest, duration_s, plan, first: Arc::new(first) })
+    }
+}
+
+/// The first sample at or after `k` intervals, and how much later it is, samples.
+fn bound((whole, rest): (u64, f64), k: u64) -> (u64, f64) {
+    let beyond = k as f64 * rest;
+    let (floor, fraction) = (beyond.floor(), beyond.fract());
+    let before = k.wrapping_mul(whole).wrapping_add(floor as u64);
+    if fraction > 0.0 { (before.wrapping_add(1), 1.0 - fraction) } else { (before, 0.0) }
+}
+
+fn segment(signal: &Arc<dyn Signal>, plan: &Plan, duration_s: f64, interval: (u64, f64), k: u64) -> Segment {
+    let ((from, late), (to, _)) = (bound(interval, k), bound(interval, k.wrapping_add(1)));
+    let mut samples = vec![Complex64::ZERO; to.wrapping_sub(from) as usize];
+    signal.fill(from, &mut samples);
+    let sum = plan.gridded(samples.len(), |j| samples[j]);
+    Segment {
+        name: signal.name().to_owned(),
+        rate_hz: signal.rate_hz(),
+        bandwidth_hz: signal.bandwidth_hz(),
+        duration_s,
+        samples,
+        at: REACH as f64 + late,
+        plan: plan.clone(),
+        sum,
+        moment: OnceLock::new(),
+    }
+}
+
+impl Segment {
+    /// From the emission to the sample in the middle, samples.
+    fn middle(&self) -> f64 {
+        self.at + (self.samples.len() / 2) as f64
+    }
+}
+
+impl Waveform for Segment {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    fn bandwidth_hz(&self) -> f64 {
+        self.bandwidth_hz
+    }
+
+    fn spectrum(&self, f_hz: f64) -> Complex64 {
+        let v = f_hz / self.rate_hz;
+        let [passed, _] = response(v);
+        if passed == 0.0 {
+            return Complex64::ZERO;
+        }
+        self.sum.at(v) * phasor(-v * self.middle()) * (passed / self.rate_hz)
+    }
+
+    fn sample(&self, t_s: f64) -> Complex64 {
+        let place = t_s * self.rate_hz - self.at;
+        let from = (place - REACH as f64).max(0.0) as usize;
+        let to = ((place + REACH as f64 + 1.0).max(0.0) as usize).min(self.samples.len());
+        let own = self.samples.get(from..to.max(from)).unwrap_or_default();
+        own.iter().enumerate().map(|(i, sample)| sample * kernel(place - (from + i) as f64)).sum()
+    }
+
+    fn moment_spectrum(&self, f_hz: f64) -> Complex64 {
+        let v = f_hz / self.rate_hz;
+        let [passed, slope] = response(v);
+        if passed == 0.0 && slope == 0.0 {
+            return Complex64::ZERO;
+        }
+        let by_number = self.moment.get_or_init(|| {
+            let middle = (self.samples.len() / 2) as f64;
+            self.plan.gridded(self.samples.len(), |j| self.samples[j] * (j as f64 - middle))
+        });
+        let sum = self.sum.at(v);
+        let off = self.middle() - 0.5 * self.duration_s * self.rate_hz;
+        let of_samples = (by_number.at(v) + sum * off) * passed;
+        let of_kernel = Complex64::I * sum * (slope / std::f64::consts::TAU);
+        (of_samples + of_kernel) * phasor(-v * self.middle()) / (self.rate_hz * self.rate_hz)
+    }
+}
+
+/// What is said of it, and its spectrum, are those of segment 0.
+impl Waveform for Stream {
+    fn name(&self) -> &str {
+        self.signal.name()
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    fn bandwidth_hz(&self) -> f64 {
+        self.signal.bandwidth_hz()
+    }
+
+    fn spectrum(&self, f_hz: f64) -> Complex64 {
+        self.first.spectrum(f_hz)
+    }
+
+    fn sample(&self, t_s: f64) -> Complex64 {
+        self.first.sample(t_s)
+    }
+
+    fn moment_spectrum(&self, f_hz: f64) -> Complex64 {
+        self.first.moment_spectrum(f_hz)
+    }
+
+    fn of_emission(&self, emission: u64) -> Option<Arc<dyn Waveform>> {
+        let Self { signal, plan, duration_s, .. } = self;
+        Some(Arc::new(segment(signal, plan, *duration_s, (self.whole, self.rest), emission)))
+    }
+
+    fn is_stream(&self) -> bool {
+        true
+    }
+}

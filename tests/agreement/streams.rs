@@ -1,0 +1,187 @@
+//! Continuous signals: a segment with every emission, received as one signal. Against a closed form, against
+//! the reference, and whatever blocks and threads.
+
+use std::f64::consts::{PI, TAU};
+
+use nereus::config::Run;
+use nereus::pipeline::build;
+use nereus::pulse::{Pulse, Samples};
+use nereus::radar::waveform::{Noise, Signal};
+use num_complex::Complex64;
+
+use crate::cases::some_of;
+use crate::runs;
+use crate::two_platforms::{self, C, ON_MAST, RATE_HZ, masts, power};
+
+/// Samples that an interpolation reaches to either side, and the shape of its window.
+const REACH: f64 = 20.0;
+const SHAPE: f64 = 10.5;
+
+fn run(sea: bool, radar: &str, more: &str, settings: &[(&str, &str)]) -> Run {
+    two_platforms::run(0.01, sea, radar, more, settings)
+}
+
+/// All samples of a channel.
+fn samples_of(run: &Run, pulses: &[Pulse], channel: usize) -> Vec<Complex64> {
+    let samples = run.scene.radar.window.samples;
+    let of = |pulse: &Pulse| {
+        let Samples::Cf32(all) = &pulse.samples else { panic!("a converter") };
+        let own = all[channel * samples..][..samples].iter();
+        own.map(|s| Complex64::new(s.re.into(), s.im.into())).collect::<Vec<_>>()
+    };
+    pulses.iter().flat_map(of).collect()
+}
+
+fn made(run: &Run) -> Vec<Pulse> {
+    runs::kept(build::stream(run, 0..run.scene.pulses).unwrap())
+}
+
+/// `I0(x)` by its integral over half of a turn, whose mean of 32 points is exact to 1e-15 here.
+fn bessel(x: f64) -> f64 {
+    (0..16).map(|i| (x * ((f64::from(i) + 0.5) * PI / 32.0).cos()).cosh()).sum::<f64>() / 16.0
+}
+
+/// The signal of some samples at a time, `sum_j s_j h(R t - j)`.
+fn signal(samples: &[Complex64], rate_hz: f64, t_s: f64) -> Complex64 {
+    let place = t_s * rate_hz;
+    let (from, to) = ((place - REACH).ceil().max(0.0) as usize, (place + REACH).max(0.0) as usize);
+    let most = bessel(SHAPE);
+    let of = |j: usize| {
+        let u = place - j as f64;
+        let window = bessel(SHAPE * (1.0 - (u / REACH).powi(2)).max(0.0).sqrt()) / most;
+        let sinc = if u == 0.0 { 1.0 } else { (PI * u).sin() / (PI * u) };
+        samples.get(j).map_or(Complex64::ZERO, |sample| sample * sinc * window)
+    };
+    (from..=to).map(of).sum()
+}
+
+/// The direct path of noise between antennas that rest: `sqrt(P g) lambda/(4 pi d) s(t - d/c - K/R)
+/// e^{-j 2 pi f d/c}`, of segments of a whole and of a broken number of samples, from a transmitter of the
+/// radar and from an emitter off its carrier, without a step where segments or blocks meet.
+#[test]
+fn noise_is_one_signal_over_all_segments() {
+    let (distance_m, power_w) = (5000.0, 5.0f64);
+    let tau_s = distance_m / C;
+    let near = masts(distance_m);
+    for (echo, prf_hz, samples, offset_hz) in some_of([
+        ("fast", 8000.0, 1024, 0.0),
+        ("fast", 7017.3, 1000, 0.0),
+        ("fast", 3017.3, 1000, 3.7e6),
+        ("reference", 7017.3, 1000, 0.0),
+        ("reference", 3017.3, 1000, 3.7e6),
+    ]) {
+        let bandwidth_hz = 20e6;
+        let own = format!("waveform = {{ kind = \"noise\", bandwidth_hz = {bandwidth_hz:?}, seed = 9 }}");
+        let emitter = format!(
+            "{near}
+            [[emitter]]
+            name = \"far\"
+            polarisation = \"V\"
+            platform = \"far\"
+            power_w = {power_w:?}
+            carrier_hz = {:?}
+            echo = false
+            antenna = {{ kind = \"isotropic\" }}
+            prf_hz = {prf_hz:?}
+            {own}",
+            9.4e9 + offset_hz
+        );
+        let window = format!("window = {{ gate = \"continuous\", samples = {samples} }}");
+        let mut settings = vec![("fidelity.echo", echo), ("fidelity.error_db", "-80")];
+        settings.extend(ON_MAST);
+        let run = if offset_hz == 0.0 {
+            settings.extend([
+                ("transmitter.0.platform", "far"),
+                ("transmitter.0.power_w", "5.0"),
+                ("transmitter.0.antenna", "{ kind = 'isotropic' }"),
+            ]);
+            let radar =
+                format!("prf_hz = {prf_hz:?}\nchannels = [\"VV\"]\ndirect_path = true\n{own}\n{window}");
+            run(false, &radar, &near, &settings)
+        } else {
+            let sweep = "waveform = { kind = \"lfm\", bandwidth_hz = 5e6, pulse_s = 1e-6 }";
+            let radar = format!("prf_hz = 500.0\nchannels = [\"VV\"]\n{sweep}\n{window}");
+            settings.push(("transmitter.0.power_w", "1e-30"));
+            run(false, &radar, &emitter, &settings)
+        };
+        let found = samples_of(&run, &made(&run), 0);
+        let mut drawn = vec![Complex64::ZERO; (0.0105 * bandwidth_hz) as usize];
+        Noise::new(bandwidth_hz, 9).fill(0, &mut drawn);
+        let carrier_hz = 9.4e9 + offset_hz;
+        let amplitude = power_w.sqrt() * C / carrier_hz / (2.0 * TAU * distance_m);
+        // Nothing has arrived before; then a few thousand samples, over many segments and blocks.
+        let first = 4000;
+        let found = &found[..first + 60_000];
+        let expected: Vec<Complex64> = (first..found.len())
+            .map(|j| {
+                let t_s = j as f64 / RATE_HZ;
+                let turns = (offset_hz * t_s).fract() - (carrier_hz * tau_s).fract();
+                let own = signal(&drawn, bandwidth_hz, t_s - tau_s - REACH / bandwidth_hz);
+                own * amplitude * Complex64::cis(TAU * turns)
+            })
+            .collect();
+        let off: Vec<Complex64> = found[first..].iter().zip(&expected).map(|(a, b)| a - b).collect();
+        let error_db = 10.0 * (power(&off) / power(&expected)).log10();
+        let rms = (power(&expected) / expected.len() as f64).sqrt();
+        let worst = off.iter().map(|off| off.norm()).fold(0.0, f64::max) / rms;
+        // Of full power, as a sweep has it.
+        let level_db = 20.0 * (rms / amplitude).log10();
+        println!(
+            "{echo}, {prf_hz} Hz, {samples} samples, {offset_hz} Hz off: {error_db:.1} dB, worst {worst:.1e}, level {level_db:.2} dB"
+        );
+        assert!(error_db < -78.0, "{echo} {prf_hz}: {error_db}");
+        assert!(worst < 1e-3, "{echo} {prf_hz}: {worst}");
+        assert!(level_db.abs() < 0.1, "{level_db}");
+    }
+}
+
+/// Against the reference, over all pulses: seas and targets, blocks longer and shorter than segments, an
+/// emitter in windows and in blocks.
+#[test]
+fn streams_keep_the_error() {
+    let noise = |hz: f64| format!("waveform = {{ kind = \"noise\", bandwidth_hz = {hz:?} }}");
+    let blocks = |samples: usize| format!("window = {{ gate = \"continuous\", samples = {samples} }}");
+    let sweep = "waveform = { kind = \"lfm\", bandwidth_hz = 30e6, pulse_s = 1e-6 }";
+    let jammer = |train: &str, hz: f64| {
+        format!(
+            "[[emitter]]
+            name = \"jam\"
+            platform = \"other\"
+            carrier_hz = 9.41e9
+            power_w = 20.0
+            antenna = {{ kind = \"rectangle\", width_m = 0.2, height_m = 0.4 }}
+            pointing = {{ kind = \"at\", position_m = [0, 0, 0] }}
+            {train}
+            {}",
+            noise(hz)
+        )
+    };
+    let own = |prf_hz: f64, hz: f64, samples: usize| {
+        format!("prf_hz = {prf_hz:?}\nchannels = [\"HH\", \"VV\"]\n{}\n{}", noise(hz), blocks(samples))
+    };
+    let windows = format!(
+        "prf_hz = 1900.0\nchannels = [\"HH\", \"VV\"]\n{sweep}\nwindow = {{ samples = 256, start_us = 15.2 }}"
+    );
+    for (what, radar, emitters, asked) in some_of([
+        ("noise", own(20_000.0, 30e6, 2048), String::new(), "-60"),
+        ("short blocks", own(17_733.3, 12e6, 700), String::new(), "-40"),
+        ("fine", own(20_000.0, 38e6, 4096), String::new(), "-75"),
+        ("in windows", windows, jammer("prf_hz = 9733.0", 8e6), "-60"),
+        (
+            "beside a stream",
+            own(20_000.0, 30e6, 2048),
+            jammer("prf_hz = 15000.0\nstart_us = -300", 8e6),
+            "-60",
+        ),
+    ]) {
+        let settings = [
+            ("fidelity.error_db", asked),
+            ("receiver.0.platform", "other"),
+            ("scene.duration_s", "0.003"),
+            ("scene.patch_size_m", "[16, 16]"),
+        ];
+        let run = run(true, &radar, &emitters, &settings);
+        println!("{what}: nodes {}", runs::plan(&run).chosen.node_pulses);
+        runs::keeps_the_error(what, &run);
+    }
+}
