@@ -112,6 +112,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
     seas.extend(live::variants());
     seas.extend(changes::variants());
     seas.extend(waveforms::variants());
+    seas.extend(scanning::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides), Files::Required).asked);
@@ -167,6 +168,7 @@ fn names_of_keys_bear_their_unit() {
         ("m/s/sqrt(s)", "_mps_per_root_s"),
         ("deg/sqrt(s)", "_deg_per_root_s"),
         ("deg/s", "_degps"),
+        ("1/min", "rpm"),
         ("1/s", "_per_s"),
         ("1/h", "per_hour"),
         ("1/day", "_per_day"),

@@ -54,7 +54,7 @@ fn scanning(draw: &mut Draw, geometry: &Geometry, flight: &Flight) -> Option<Str
         let turn_ms = (draw.log(0.01, 0.5) * lasts_s * 1e3).max(1.0);
         let second_deg = (elevation_deg + draw.between(-1.0, 1.0) * across_deg).clamp(-89.0, 89.0);
         format!(
-            "kind = \"sector\", from_deg = {from:?}, to_deg = {to:?}, rate_deg_s = {rate_deg_s:?}, turn_ms = {turn_ms:?}, \
+            "kind = \"sector\", from_deg = {from:?}, to_deg = {to:?}, rate_degps = {rate_deg_s:?}, turn_ms = {turn_ms:?}, \
              elevations_deg = [{elevation_deg:?}, {second_deg:?}]"
         )
     };

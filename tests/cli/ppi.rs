@@ -129,7 +129,7 @@ fn bearings_count_from_the_nose_or_from_north_and_sectors_go_to_and_fro() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     // 160 degrees in 0.16 s about the nose, which is 30 degrees to the right of North: two targets are seen.
-    let sector = "{ kind = 'sector', from_deg = -80.0, to_deg = 80.0, rate_deg_s = 1000.0, turn_ms = 20.0, encoder_bits = 12 }";
+    let sector = "{ kind = 'sector', from_deg = -80.0, to_deg = 80.0, rate_degps = 1000.0, turn_ms = 20.0, encoder_bits = 12 }";
     let [sends, takes] = ["transmitter", "receiver"].map(|end| format!("{end}.0.pointing={sector}"));
     let nose = "platform.0.track.yaw_deg=30";
     recorded(folder, "r.plain", &[&sends, &takes, nose]);

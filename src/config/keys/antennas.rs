@@ -86,7 +86,7 @@ tables! {
         ELEVATION_DEG "elevation_deg", number("deg", -90.0, 90.0), default(0.0), "scan: elevation of the boresight, positive up.";
         FROM_DEG "from_deg", number("deg", -360.0, 360.0), Required, "sector: azimuth at which sweeps of even number begin, the first at pulse 0, clockwise.";
         TO_DEG "to_deg", number("deg", -360.0, 360.0), Required, "sector: azimuth at which they end, other than from_deg.";
-        RATE_DEG_S "rate_deg_s", above("deg/s", 0.0, 3600.0), Required, "sector: rate within a sweep.";
+        RATE_DEG_S "rate_degps", above("deg/s", 0.0, 3600.0), Required, "sector: rate within a sweep.";
         TURN_MS "turn_ms", number("ms", 1.0, 1e5), default(100.0), "sector: time in which the pedestal turns round between sweeps, past either end by a quarter of rate times time.";
         ELEVATIONS_DEG "elevations_deg", Kind::Numbers { unit: "deg", least: 1, most: 1024, min: -90.0, max: 90.0 }, Means("[0], the horizontal plane or the deck"), "sector: elevations of sweeps in turn, positive up: a raster.";
         ENCODER_BIAS_DEG "encoder_bias_deg", number("deg", -180.0, 180.0), default(0.0), "scan, sector: azimuth that the encoder reads minus the azimuth.";

@@ -3,6 +3,22 @@
 use super::*;
 use crate::scene::radar::{ApertureTaper, Encoder, Scan, ScanLaw};
 
+/// Of every key.
+pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
+    [
+        "{ kind = 'scan', rpm = 20, about = 'north' }",
+        "{ kind = 'sector', from_deg = -10, to_deg = 10, rate_degps = 5, elevations_deg = [0], encoder_bits = 12 }",
+    ]
+    .map(|pointing| vec![("transmitter.0.pointing", pointing)])
+    .into_iter()
+    .chain([vec![("transmitter.0.antenna", TAPERED)]])
+    .map(|settings| (COASTAL, settings))
+    .collect()
+}
+
+const TAPERED: &str =
+    "{ kind = 'rectangle', width_m = 4.0, height_m = 0.05, taper = 'taylor', sidelobe_db = 35.0 }";
+
 /// The transmitter of coastal.toml with another pointing and another antenna.
 fn with(pointing: &str, antenna: &str) -> Result<Run, ConfigError> {
     coastal_with(&[("transmitter.0.pointing", pointing), ("transmitter.0.antenna", antenna)])
@@ -20,7 +36,7 @@ fn scans_arrive() {
         elevation_rad: (-1f64).to_radians(),
     };
     assert_eq!(*scan, Scan { law, level_by: None, encoder: Encoder::default() });
-    let sector = "{ kind = 'sector', from_deg = -10.0, to_deg = 20.0, rate_deg_s = 60.0, about = 'north', \
+    let sector = "{ kind = 'sector', from_deg = -10.0, to_deg = 20.0, rate_degps = 60.0, about = 'north', \
                   elevations_deg = [0.0, 3.0], encoder_bits = 12, encoder_bias_deg = 0.5 }";
     let run = with(sector, PLAIN).unwrap();
     let Pointing::Scan(scan) = &run.scene.radar.transmitters[0].antenna.pointing else { panic!() };
@@ -32,9 +48,7 @@ fn scans_arrive() {
 
 #[test]
 fn tapers_arrive() {
-    let antenna =
-        "{ kind = 'rectangle', width_m = 4.0, height_m = 0.05, taper = 'taylor', sidelobe_db = 35.0 }";
-    let run = with("{ kind = 'fixed' }", antenna).unwrap();
+    let run = with("{ kind = 'fixed' }", TAPERED).unwrap();
     let tapers = [ApertureTaper::Taylor { sidelobe_db: 35.0 }, ApertureTaper::Uniform];
     let tapered = Pattern::Tapered { width_m: 4.0, height_m: 0.05, tapers };
     assert_eq!(run.scene.radar.transmitters[0].antenna.pattern, tapered);
@@ -53,11 +67,11 @@ fn what_makes_no_sense_is_named() {
             "pointing.rpm: 700.0 is out of range; allowed: a number from -600 to 600",
         ),
         (
-            "{ kind = 'sector', from_deg = 5.0, to_deg = 5.0, rate_deg_s = 10.0 }",
+            "{ kind = 'sector', from_deg = 5.0, to_deg = 5.0, rate_degps = 10.0 }",
             "pointing.to_deg: 5.0 is out of range; allowed: an azimuth other than from_deg",
         ),
         ("{ kind = 'scan', rpm = 20.0, about = 'stern' }", "allowed: \"nose\", \"north\""),
-        ("{ kind = 'scan', rpm = 20.0, rate_deg_s = 3.0 }", "pointing.rate_deg_s"),
+        ("{ kind = 'scan', rpm = 20.0, rate_degps = 3.0 }", "pointing.rate_degps"),
         ("{ kind = 'scan', rpm = 20.0, encoder_bits = 40 }", "allowed: a whole number from 4 to 30"),
         ("{ kind = 'scan', rpm = 20.0, aim_from = 'true' }", "pointing.aim_from"),
     ] {
