@@ -31,11 +31,7 @@ pub(crate) fn engine(
         return joint(plan, radar, segment, generator, waveform);
     }
     let waveform = Arc::clone(waveform);
-    let Some(Plan { chosen, .. }) = plan else {
-        let (pairs, guard) = (of_channels.to_vec(), generator.guard_samples());
-        let echo = ReferenceEcho::with_guard(waveform, carrier_hz, rate_hz, samples, pairs, guard);
-        return Ok(Arc::new(echo.in_windows(generator.pair_windows())));
-    };
+    let Some(Plan { chosen, .. }) = plan else { return Ok(Arc::new(reference(radar, generator, waveform))) };
     Ok(match chosen.precision {
         Precision::Double => {
             let synth = Synth::new(waveform, carrier_hz, rate_hz, samples, of_channels, chosen.echo)?;
@@ -56,6 +52,13 @@ pub(crate) fn engine(
     })
 }
 
+fn reference(radar: &Radar, generator: &PathGenerator, waveform: Arc<dyn Waveform>) -> ReferenceEcho {
+    let (pairs, guard) = (generator.channel_pairs().to_vec(), generator.guard_samples());
+    let (rate_hz, samples) = (radar.sample_rate_hz, radar.window.samples);
+    let echo = ReferenceEcho::with_guard(waveform, radar.carrier_hz, rate_hz, samples, pairs, guard);
+    echo.in_windows(generator.pair_windows())
+}
+
 /// The same of a train of which no two emissions are alike.
 fn joint(
     plan: Option<&Plan>,
@@ -70,10 +73,7 @@ fn joint(
     let delays_s = generator.delay_span_of_run_s().ok().flatten().unwrap_or_default();
     let joint = Joint::new(waveform, radar, delays_s);
     let Some(Plan { chosen, .. }) = plan else {
-        let (pairs, guard, samples) = (of_channels.to_vec(), generator.guard_samples(), radar.window.samples);
-        let own = Arc::clone(waveform);
-        let echo = ReferenceEcho::with_guard(own, carrier_hz, rate_hz, samples, pairs, guard);
-        let echo = echo.in_windows(generator.pair_windows());
+        let echo = reference(radar, generator, Arc::clone(waveform));
         return Ok(Arc::new(JointReference { echo, waveform: Arc::clone(waveform) }));
     };
     let guard_samples = chosen.echo.guard_samples.max(RINGING_SAMPLES);

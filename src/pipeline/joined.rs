@@ -53,6 +53,18 @@ impl Span {
     }
 }
 
+/// When the windows of channels start, s, by the pairs of these: one for all, or each its own.
+pub(crate) fn channel_starts<'a>(
+    starts_s: &'a [f64],
+    windows: &'a [usize],
+    channel_pairs: &'a [usize],
+) -> impl Iterator<Item = f64> + 'a {
+    channel_pairs.iter().map(|pair| {
+        let window = windows.get(*pair).copied().filter(|_| starts_s.len() > 1).unwrap_or(0);
+        starts_s.get(window).copied().unwrap_or(0.0)
+    })
+}
+
 /// Adds echoes of emissions in windows.
 pub(crate) struct Joined {
     sample_rate_hz: f64,
@@ -91,14 +103,14 @@ impl Joined {
 
     /// From the first sample of a window to the origin of an emission so long after its pulse, samples: whole
     /// and the rest. `start_s`: from the pulse to the window.
-    pub fn place(&self, offset_s: f64, start_s: f64) -> (isize, f64) {
+    fn place(&self, offset_s: f64, start_s: f64) -> (isize, f64) {
         let samples = (offset_s + self.span.origin_s - start_s) * self.sample_rate_hz;
         let whole = samples.round();
         (whole as isize, samples - whole)
     }
 
     /// From the spectra of the channels of an emission, later by the rest of a sample, to its samples.
-    pub fn echo(&mut self, emission: u64, rest: f64, mut spectrum: Vec<Complex64>) -> Echo {
+    fn echo(&mut self, emission: u64, rest: f64, mut spectrum: Vec<Complex64>) -> Echo {
         let (len, scale) = (self.len, self.sample_rate_hz / self.len as f64);
         for bins in spectrum.chunks_exact_mut(len) {
             if rest.abs() > EQUAL {
@@ -118,8 +130,28 @@ impl Joined {
         self.sums.resize(channels * (self.window_samples + 2 * GUARD_SAMPLES), Complex64::ZERO);
     }
 
+    /// Adds the channels of an emission so long after the pulse of their windows, which start so long after
+    /// that pulse, s; its echoes that are known are kept, others are made of the spectra of its channels.
+    pub fn take(
+        &mut self,
+        echoes: &mut Vec<Echo>,
+        (emission, offset_s): (u64, f64),
+        starts_s: impl Iterator<Item = f64>,
+        mut spectra: impl FnMut() -> Vec<Complex64>,
+    ) {
+        for (channel, start_s) in starts_s.enumerate() {
+            let (later, rest) = self.place(offset_s, start_s);
+            let known = echoes.iter().position(|echo| echo.is(emission, rest));
+            let at = known.unwrap_or_else(|| {
+                echoes.push(self.echo(emission, rest, spectra()));
+                echoes.len() - 1
+            });
+            self.add(channel, &echoes[at], later);
+        }
+    }
+
     /// Adds a channel of an echo whose origin lies so many samples after the first of the window.
-    pub fn add(&mut self, channel: usize, echo: &Echo, later: isize) {
+    fn add(&mut self, channel: usize, echo: &Echo, later: isize) {
         let (room, guard) = (self.window_samples + 2 * GUARD_SAMPLES, GUARD_SAMPLES as isize);
         let samples = &echo.samples[channel * self.len..][..self.len];
         let sums = &mut self.sums[channel * room..][..room];
@@ -151,7 +183,7 @@ impl Joined {
 
 impl Echo {
     /// Whether it is that of an emission, later by such a rest of a sample.
-    pub fn is(&self, emission: u64, rest: f64) -> bool {
+    fn is(&self, emission: u64, rest: f64) -> bool {
         self.emission == emission && (self.rest - rest).abs() < EQUAL
     }
 }

@@ -11,7 +11,7 @@ use crate::paths::list::ScattererPaths;
 use crate::pipeline::block::{Joint, check};
 use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, full_list};
 use crate::pipeline::fault::PulseError;
-use crate::pipeline::joined::{Echo, Joined};
+use crate::pipeline::joined::{Joined, channel_starts};
 use crate::pipeline::kit::Desk;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
@@ -124,18 +124,8 @@ impl SingleWorker<'_> {
                 block.found()
             };
             check(found)?;
-            let mut echoes: Vec<Echo> = Vec::new();
-            for (channel, pair) in generator.channel_pairs().iter().enumerate() {
-                let window = windows.get(*pair).copied().filter(|_| starts_s.len() > 1).unwrap_or(0);
-                let start_s = starts_s.get(window).copied().unwrap_or(0.0);
-                let (later, rest) = joined.place(offset_s, start_s);
-                let known = echoes.iter().position(|echo| echo.is(emitted, rest));
-                let at = known.unwrap_or_else(|| {
-                    echoes.push(joined.echo(emitted, rest, bins.clone()));
-                    echoes.len() - 1
-                });
-                joined.add(channel, &echoes[at], later);
-            }
+            let of_channels = channel_starts(starts_s, &windows, generator.channel_pairs());
+            joined.take(&mut Vec::new(), (emitted, offset_s), of_channels, || bins.clone());
             memory.costs.lap(Stage::Spread);
             memory.costs.accumulated(found.spread);
         }

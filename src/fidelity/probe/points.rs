@@ -251,15 +251,11 @@ impl ErrorSampler<'_> {
         let mut swept_panels: Vec<_> = panel_pulses.iter().filter(|_| meshes).map(nothing).collect();
         let (targets, panels) =
             (0..self.points.panels_from, self.points.panels_from..self.points.followed.len());
-        let bounds = [self.deviations(), self.points.coherence];
         for n in 0..self.points.stretches.len() {
             let stretch = self.stretch(n)?;
-            for ((own, lines), varied) in stretch.exact.iter().zip(&stretch.lines).zip(&stretch.most) {
-                for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
-                    let modulus = |n: usize| own.amplitude[channel][n].norm() * varied.of(n, *pair);
-                    let most = lines[*pair].most(bounds, modulus);
-                    self.points.highest[channel] = self.points.highest[channel].max(most);
-                }
+            let most = self.most_of(&stretch);
+            for (highest, most) in self.points.highest.iter_mut().zip(most) {
+                *highest = highest.max(most);
             }
             for (steps, points, more) in
                 [(&mut swept, targets.clone(), 0), (&mut swept_panels, panels.clone(), 1)]

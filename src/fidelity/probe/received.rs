@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use super::line::Line;
-use super::points::Variation;
+use super::points::{Stretch, Variation};
 use super::{ErrorSampler, Powers};
 use crate::paths::list::ScattererPaths;
 use crate::radar::fault::RadarError;
@@ -27,6 +27,19 @@ impl ErrorSampler<'_> {
         })
     }
 
+    /// The most power that points have at any pulse of a stretch, by channel.
+    pub(super) fn most_of(&self, stretch: &Stretch) -> Powers {
+        let bounds = [self.deviations(), self.points.coherence];
+        let mut highest = vec![0.0f64; self.radar.channels.len()];
+        for ((own, lines), varied) in stretch.exact.iter().zip(&stretch.lines).zip(&stretch.most) {
+            for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
+                let modulus = |n: usize| own.amplitude[channel][n].norm() * varied.of(n, *pair);
+                highest[channel] = highest[channel].max(lines[*pair].most(bounds, modulus));
+            }
+        }
+        highest
+    }
+
     /// How far the delay rate of a point is off the mean of its block. A beam that scans may show any of the
     /// points at the pulses of which the mean is taken: then off whichever is farthest.
     pub(super) fn off_mean(&self, rates: &[f64], point: usize, mean: f64) -> f64 {
@@ -45,15 +58,10 @@ impl ErrorSampler<'_> {
             return Ok(());
         }
         let highest = self.points.highest.clone();
-        let (bounds, mut seen) = ([self.deviations(), self.points.coherence], vec![0.0f64; highest.len()]);
+        let mut seen = vec![0.0f64; highest.len()];
         for n in 0..self.points.stretches.len() {
             let stretch = self.stretch(n)?;
-            for ((own, lines), varied) in stretch.exact.iter().zip(&stretch.lines).zip(&stretch.most) {
-                for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {
-                    let modulus = |n: usize| own.amplitude[channel][n].norm() * varied.of(n, *pair);
-                    seen[channel] = seen[channel].max(lines[*pair].most(bounds, modulus));
-                }
-            }
+            seen.iter_mut().zip(self.most_of(&stretch)).for_each(|(seen, most)| *seen = seen.max(most));
         }
         let ratio = |(highest, seen): (&f64, &f64)| if *seen > 0.0 { (highest / seen).max(1.0) } else { 1.0 };
         let missed: Vec<f64> = highest.iter().zip(&seen).map(ratio).collect();

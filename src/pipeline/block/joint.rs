@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::{BlockEcho, BlockWork};
 use crate::paths::{PathGenerator, Workspace};
-use crate::pipeline::joined::{Echo, Joined, Span};
+use crate::pipeline::joined::{Echo, Joined, Span, channel_starts};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::radar::waveform::Waveform;
@@ -81,23 +81,16 @@ impl BlockEcho {
         echoes.retain(|echo| emissions.contains(&echo.emission));
         for emitted in emissions {
             let offset_s = generator.offset_s(index, emitted);
-            for (channel, pair) in generator.channel_pairs().iter().enumerate() {
-                let window = windows.get(*pair).copied().filter(|_| starts_s.len() > 1).unwrap_or(0);
-                let start_s = starts_s.get(window).copied().unwrap_or(0.0);
-                let (later, rest) = joined.place(offset_s, start_s);
-                let known = echoes.iter().position(|echo| echo.is(emitted, rest));
-                let at = known.unwrap_or_else(|| {
-                    if let Some(waveform) = joint.waveform.of_emission(generator.number_of(emitted)) {
-                        self.synth.replicas_of(waveform.as_ref(), frame.mean_hz(), replicas);
-                    }
-                    let mut bins = vec![Complex64::ZERO; channels * self.synth.fft_len()];
-                    let of = (&*frame, (emitted - *first) as usize);
-                    self.synth.spectrum_by(replicas, of, grids, scratch, &mut bins);
-                    echoes.push(joined.echo(emitted, rest, bins));
-                    echoes.len() - 1
-                });
-                joined.add(channel, &echoes[at], later);
-            }
+            let of_channels = channel_starts(starts_s, &windows, generator.channel_pairs());
+            joined.take(echoes, (emitted, offset_s), of_channels, || {
+                if let Some(waveform) = joint.waveform.of_emission(generator.number_of(emitted)) {
+                    self.synth.replicas_of(waveform.as_ref(), frame.mean_hz(), replicas);
+                }
+                let mut bins = vec![Complex64::ZERO; channels * self.synth.fft_len()];
+                let of = (&*frame, (emitted - *first) as usize);
+                self.synth.spectrum_by(replicas, of, grids, scratch, &mut bins);
+                bins
+            });
         }
         for (channel, out) in spectrum.chunks_exact_mut(out_len).enumerate() {
             joined.spectrum(channel, out);
