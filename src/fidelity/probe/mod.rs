@@ -66,6 +66,7 @@ use points::{Law, Points};
 pub use interpolation_error::{InterpolationError, Probed};
 pub use omitted::Omission;
 use omitted::Omitted;
+use pulses::point_step;
 pub use pulses::{LONGEST, is_coarse, spread_over, unit_of};
 pub use sweep::{Sweeps, Swept};
 
@@ -146,6 +147,8 @@ pub struct ErrorSampler<'a> {
     pulses: u64,
     /// Pulses of a unit.
     unit: u64,
+    /// Pulses from one at which points are looked at to the next.
+    point_step: u64,
     memory: Workspace,
     tiles: Option<Box<TileWork>>,
     places: Vec<Place>,
@@ -206,6 +209,7 @@ impl<'a> ErrorSampler<'a> {
             cells_per_s: if bandwidth_hz > 0.0 { bandwidth_hz } else { radar.sample_rate_hz },
             pulses,
             unit,
+            point_step: point_step(radar, unit),
             memory: generator.workspace(),
             tiles: generator.tile_work(
                 Variant::fastest(),

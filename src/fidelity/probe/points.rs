@@ -2,8 +2,9 @@
 //!
 //! They are few, so they are followed themselves: at up to 65536 pulses spread over the run for their power,
 //! and in **stretches** of [`LONGEST`] units of successive pulses for what is left of them, a pulse of each
-//! unit ([`unit_of`](super::unit_of)), all of the run where it is short, else those about the strongest
-//! pulses, and some spread over it. Of more than 1024 the strongest are followed, for all.
+//! unit ([`unit_of`](super::unit_of)) of errors that are not coarse, all of the run where it is short, else
+//! those about the strongest pulses, and some spread over it. Of more than 1024 the strongest are followed,
+//! for all.
 //!
 //! Unlike facets they keep their phases, so the power of the run is that of amplitudes with their phases, and
 //! what is left is taken at its worst: `line.rs`. Targets that fluctuate count in the power of the run as
@@ -261,8 +262,9 @@ impl ErrorSampler<'_> {
                 [(&mut swept, targets.clone(), 0), (&mut swept_panels, panels.clone(), 1)]
             {
                 for (step, worst) in steps {
-                    // In units; steps are whole units, or a pulse, which leaves nothing.
-                    let length = usize::try_from(3 * (*step / self.unit) + more).unwrap_or(usize::MAX).max(1);
+                    // Steps are whole ones of points, or a pulse, which leaves nothing.
+                    let length =
+                        usize::try_from(3 * (*step / self.point_step) + more).unwrap_or(usize::MAX).max(1);
                     for from in (0..stretch.exact.len()).step_by(length) {
                         let pulses = from..(from + length).min(stretch.exact.len());
                         self.add_part(&stretch, pulses, points.clone(), worst);
@@ -324,7 +326,8 @@ impl ErrorSampler<'_> {
         let mut from = 0;
         while from < stretch.exact.len() {
             // Blocks of the run; of those that begin before the stretch or end after it, their part.
-            let within = (block - (stretch.first + from as u64 * self.unit) % block).div_ceil(self.unit);
+            let begun = (stretch.first + from as u64 * self.point_step) % block;
+            let within = (block - begun).div_ceil(self.point_step);
             let pulses = from..(from + within as usize).min(stretch.exact.len());
             for (pair, channels) in self.channels.iter().enumerate() {
                 let sum = |which: usize| {
@@ -385,10 +388,10 @@ impl ErrorSampler<'_> {
         let (exact, lines, rates, most) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut slow = SlowTime::default();
         self.generator.slow_time(first, self.longest() as usize, &mut slow);
-        let at = (0..LONGEST as usize).map(|n| slow.at(n * self.unit as usize)).collect();
+        let at = (0..self.longest()).step_by(self.point_step as usize).map(|n| slow.at(n as usize)).collect();
         let mut stretch = Stretch { first, at, exact, lines, rates, most };
         let pulses = first..first.saturating_add(self.longest()).min(self.pulses);
-        for index in pulses.step_by(self.unit as usize) {
+        for index in pulses.step_by(self.point_step as usize) {
             let found = self.points_at(index, &mut all)?;
             let of =
                 |column: &Vec<f64>| -> Vec<f64> { self.points.followed.iter().map(|n| column[*n]).collect() };

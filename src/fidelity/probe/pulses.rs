@@ -22,6 +22,13 @@ pub fn unit_of(radar: &Radar, pulses: u64, coarse: bool) -> u64 {
     of_prf.min(pulses.div_ceil(LONGEST)).clamp(1, MOST_UNIT)
 }
 
+/// Pulses from one at which points are looked at to the next, where a unit is so long: as for errors that are
+/// not coarse, a part of it. Gains and aspects of points change faster than nodes ask for.
+pub fn point_step(radar: &Radar, unit: u64) -> u64 {
+    let finest = (radar.emissions.mean_prf_hz() / UNIT_HZ).floor().max(1.0) as u64;
+    (1..=unit).rev().find(|step| unit.is_multiple_of(*step) && *step <= finest).unwrap_or(1)
+}
+
 /// Whether nodes may lie twice as far apart as for finer errors: then units are longer.
 pub fn is_coarse(error_db: f64) -> bool {
     error_db >= COARSE_DB
