@@ -15,6 +15,9 @@ pub const CULLED_DB: f64 = 10.0;
 /// What interpolation leaves of the panels of ships stays so far below the budget, dB.
 pub const PANELS_DB: f64 = 10.0;
 
+/// A facet that turns away a pulse early or late leaves no more than so far below the budget, dB.
+const TURNING_DB: f64 = 0.5;
+
 /// What pulses between the supports of their tiles lack stays so far below the budget, dB.
 pub const BETWEEN_DB: f64 = 10.0;
 
@@ -86,6 +89,11 @@ pub(super) struct Budget {
 }
 
 impl Budget {
+    /// Share of the power of the echo above which it is looked up when a facet turns away.
+    pub fn turning(&self) -> f64 {
+        10f64.powf((self.asked.error_db - TURNING_DB) / 10.0)
+    }
+
     /// Whether shadows of few facets are those of the reference.
     pub fn needs_exact_shadows(&self) -> bool {
         self.asked.error_db < EXACT_SHADOWS_DB

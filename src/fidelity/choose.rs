@@ -162,6 +162,7 @@ impl<'a> Chooser<'a> {
                 beyond_share: 0.0,
                 between: None,
                 least_power: budget.least_power,
+                turning: budget.turning(),
                 precision: budget.precision,
                 fine: Fine { surface: false, shadows: true },
                 echo: synth.single,

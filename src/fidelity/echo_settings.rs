@@ -31,6 +31,8 @@ pub struct EchoSettings {
     pub between: Option<f64>,
     /// Power of a facet over the mean below which it is left out.
     pub least_power: f64,
+    /// Share of the power of the echo above which it is looked up when a facet turns away from an antenna.
+    pub turning: f64,
     /// Word length.
     pub precision: Precision,
     /// What is found as the reference finds it.

@@ -309,6 +309,7 @@ impl<'a> Search<'a> {
             beyond_share: candidate.sidelobe.map_or(0.0, |_| self.omission.beyond_share),
             between: self.between,
             least_power: self.omission.least_power,
+            turning: self.budget.turning(),
             precision: self.budget.precision,
             fine: Fine { surface: self.fine_surface, shadows: self.budget.needs_exact_shadows() },
             echo: self.synth.settings,

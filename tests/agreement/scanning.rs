@@ -1,5 +1,7 @@
 //! Antennas that scan: the fast echo against the reference, over all pulses of passes of the beam.
 
+use nereus::bench::accuracy::Judge;
+
 use crate::cases::some_of;
 use crate::runs;
 
@@ -45,4 +47,17 @@ fn a_small_sea_is_passed_over_as_it_is() {
         let run = runs::scene("configs/scan.toml", &[&own[..], &small].concat());
         runs::keeps_the_error(&format!("{rpm} rpm"), &run);
     }
+}
+
+/// Near grazing one facet may return most of a pulse: in pulse 224 of this run such a facet turns away, which
+/// its cosine between nodes 105 pulses apart shows a pulse late (-55 dB).
+#[test]
+fn facets_turn_away_at_their_pulse() {
+    let run = runs::scene("configs/scan.toml", &settings("24.0", "-25.0", "1200.0", "0.35"));
+    let judge = Judge::new(&run, (222..227).collect(), 2, |_| ()).unwrap();
+    let (measured_db, plan) = runs::measured(&judge, &run);
+    let predicted_db = plan.prediction.total_db();
+    println!("predicted {predicted_db:.1}, measured {measured_db:.1} dB");
+    assert!(plan.keeps() && plan.chosen.node_pulses > 50, "{:?}", plan.chosen);
+    assert!(measured_db <= predicted_db, "{predicted_db} {measured_db}");
 }

@@ -7,6 +7,7 @@ use super::factor::{Illuminated, Shadowed, Stretched, Turn, Turns, Weigh};
 use super::runs::Gather;
 use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
 use super::timing::Timing;
+use super::turning::Turned;
 use crate::cpu::Variant;
 use crate::geometry::lanes::{LANES, Paths, Row, lanes_for};
 use crate::paths::block::epoch::{Combine, InRain, LaneBasis, OntoPorts, Scale, Sight, View, port_products};
@@ -47,7 +48,7 @@ impl PathGenerator {
             for place in 0..work.tile.pairs[pair].epoch_count {
                 self.epoch(sea, pair, place, footprint_m2, work);
             }
-            self.factors(pair, work);
+            self.factors(patch, pair, work);
         }
         true
     }
@@ -420,7 +421,7 @@ impl PathGenerator {
     }
 
     /// Factors of every pulse: gains, shadows, facets that turn away.
-    fn factors(&self, pair: usize, work: &mut TileWork) {
+    fn factors(&self, patch: &Patch, pair: usize, work: &mut TileWork) {
         let TileWork { variant, gain_rows, timings, shadow_updates, shares, seen, dims, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let points = timing.gain_points();
@@ -428,11 +429,9 @@ impl PathGenerator {
         let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
         let count = tile.count;
         let supports = tile.supports.chosen();
-        let Pair { epochs, epoch_count, factor, .. } = &mut tile.pairs[pair];
         let rows = supports.map_or(timing.instants.pulses, |own| own.pulses().len());
+        let mut factor = std::mem::take(&mut tile.pairs[pair].factor);
         factor.resize(rows, [0.0; LANES]);
-        let epochs = &epochs[..*epoch_count];
-        let turns = variant.run(Turns { count, epochs });
         let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         for (row, out) in factor.iter_mut().enumerate() {
             let pulse = supports.map_or(row, |own| own.pulses()[row]);
@@ -448,10 +447,39 @@ impl PathGenerator {
                     variant.run(Shadowed { count, from: of(before), to: of(next), share, out });
                 }
             }
-            if turns {
-                let (start, weights) = &timing.cosines[pulse];
-                variant.run(Turn { count, epochs: &epochs[*start..], weights, out });
+        }
+        tile.pairs[pair].factor = factor;
+        if variant.run(Turns { count, epochs: tile.pairs[pair].epochs() }) {
+            self.turn_away(patch, pair, work);
+        }
+    }
+
+    /// Leaves facets out of the pulses at which they are turned away from an antenna.
+    fn turn_away(&self, patch: &Patch, pair: usize, work: &mut TileWork) {
+        let TileWork { variant, facet_surface, timings, turning, slopes, keys, places_m, tile, .. } = work;
+        let (timing, earth) = (timings.of(tile.tier), self.frame.earth());
+        let supports = tile.supports.chosen();
+        let (number, count, interval_s) = (pair, tile.count, tile.interval_s);
+        let turned = Turned { pair: &tile.pairs[pair], number, timing, count, interval_s, slopes };
+        turning.find(&turned, *variant);
+        let mut factor = std::mem::take(&mut tile.pairs[pair].factor);
+        let turned = Turned { pair: &tile.pairs[pair], number, timing, count, interval_s, slopes };
+        let place = |lane: usize| {
+            let fall = earth.drop_slope(places_m[0][lane], places_m[1][lane]);
+            (keys[lane], fall.map(|slope| slope as f32))
+        };
+        for (row, out) in factor.iter_mut().enumerate() {
+            let pulse = supports.map_or(row, |own| own.pulses()[row]);
+            turning.keep(out);
+            let (start, weights) = &timing.cosines[pulse];
+            let epochs = &turned.pair.epochs()[*start..];
+            variant.run(Turn { count: tile.count, epochs, weights, out });
+            if !turning.is_certain() {
+                let elapsed_s = self.radar.emissions.elapsed_s(timing.instants.first + pulse as u64);
+                let at = (&turned, pulse, &tile.slow);
+                turning.settle(at, (facet_surface, elapsed_s, patch), place, out);
             }
         }
+        tile.pairs[pair].factor = factor;
     }
 }

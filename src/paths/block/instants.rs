@@ -166,6 +166,8 @@ pub struct Tiers {
     /// Share of its power that a tile may lack for being evaluated at its supports alone; `None`: at every
     /// pulse.
     pub between: Option<f64>,
+    /// Share of the power of all above which it is looked up when a facet turns away; `None`: it is not.
+    pub turning: Option<f64>,
 }
 
 impl From<Instants> for Tiers {
@@ -187,6 +189,7 @@ impl Tiers {
             cutoff_db,
             wake: None,
             between: None,
+            turning: None,
         }
     }
 

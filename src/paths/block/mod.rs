@@ -58,6 +58,7 @@ mod supports;
 mod surface;
 mod tile;
 mod timing;
+mod turning;
 mod travelling;
 mod wake;
 
@@ -97,6 +98,7 @@ use tile::compact;
 pub use tile::{Epoch, FEW, Layer, Node, Pair, TURNED_LANES, Tile, lanes_of, layers_of};
 use timing::Timings;
 use travelling::Part;
+use turning::Turning;
 
 /// Tiles that are evaluated to learn what a block returns.
 pub const SAMPLED: usize = 48;
@@ -184,6 +186,7 @@ pub struct TileWork {
     areas: Vec<Row>,
     /// `[pair][instant]`.
     gain_rows: Vec<Vec<Row>>,
+    turning: Turning,
     /// `[update][antenna]`, and whether any facet of the tile may be hidden.
     seen: Vec<Row>,
     dims: Vec<bool>,
@@ -278,6 +281,7 @@ impl PathGenerator {
         let mut tally = Tally::default();
         let Some(sea) = &self.sea else { return tally };
         let mut again = Tally::default();
+        work.turning.look_from(samples.iter().map(|sample| sample.received_power_w), patch.len());
         for runs in Cut::of(patch.facets).tiles() {
             let facets = work.take(runs) as u64;
             tally.facets += facets;
@@ -304,6 +308,7 @@ impl PathGenerator {
             }
         }
         work.part = Part::Still;
+        work.turning.rest();
         tally
     }
 }
@@ -366,6 +371,7 @@ impl SeaPlan {
             strains: vec![[[0.0; LANES]; 3]; if selection.modulation { NODES } else { 0 }],
             areas: vec![[0.0; LANES]; if self.choppy.is_some() { NODES } else { 0 }],
             gain_rows: vec![Vec::new(); channels.len()],
+            turning: Turning::default(),
             seen: Vec::new(),
             dims: Vec::new(),
             tile: Tile {
@@ -426,6 +432,7 @@ impl TileWork {
         }
         of.slow_time(mainlobe.first, mainlobe.pulses, &mut self.tile.slow);
         self.timings.mainlobe.set(of, mainlobe, places, &self.tile.slow)?;
+        self.turning.least = tiers.turning;
         match tiers.between {
             Some(loss) => self.tile.supports.set(mainlobe.pulses, loss, &self.tile.slow),
             None => self.tile.supports.clear(),

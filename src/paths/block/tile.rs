@@ -321,7 +321,8 @@ pub(super) fn compact<T: Copy>(row: &mut [T], kept: &[u16]) {
 /// Weak facets are left out of a tile where they are more than one in so many.
 pub const FEW: usize = 4;
 
-struct Bounds<'a>(&'a Pair, usize, &'a mut Row);
+/// A bound on the power of each of the first facets at any pulse, W.
+pub(super) struct Bounds<'a>(pub &'a Pair, pub usize, pub &'a mut Row);
 
 impl Task for Bounds<'_> {
     type Output = ();

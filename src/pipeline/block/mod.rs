@@ -85,6 +85,8 @@ pub(crate) struct BlockEcho {
     between: Option<f64>,
     /// Power of a facet over the mean below which it is left out.
     least_power: f64,
+    /// The same of one of which it is looked up when it turns away, over the power of the echo.
+    turning: f64,
     pulses: u64,
     /// Where no two emissions are alike.
     joint: Option<Joint>,
@@ -211,6 +213,7 @@ impl BlockEcho {
             fine: chosen.fine,
             between: chosen.between,
             least_power: chosen.least_power,
+            turning: chosen.turning,
             pulses,
             joint: None,
         })
@@ -455,6 +458,7 @@ impl BlockEcho {
         let sums =
             !self.synth.has_exact_reach() && self.synth.windows_align(&work.windows_s, &work.frame.receives);
         work.tiers.between = self.between.filter(|_| sums);
+        work.tiers.turning = Some(self.turning);
         let patch = generator.patch_of(from)?;
         let BlockWork { tiers, samples, tiles, mean_hz, nodes, windows_s, .. } = &mut *work;
         samples.clear();
