@@ -167,7 +167,7 @@ words! {
     }
     WindProfile { "cardone" = Self::Cardone, "wu" = Self::Wu }
     Waves { "linear" = Self::Linear, "choppy" = Self::Choppy }
-    Permittivity { "meissner-wentz" = Self::MeissnerWentz, "klein-swift" = Self::KleinSwift }
+    Permittivity { "meissner-wentz" = Self::MeissnerWentz, "klein-swift" = Self::KleinSwift, "itu-r-p527" = Self::ItuRP527 }
     Averaging { "automatic" = Self::Automatic, "points" = Self::Points, "cells" = Self::Cells }
     Splitting { "consistent" = Self::Consistent, "mars2007" = Self::Mars2007 }
     Phases { "polcoherent" = Self::PolCoherent, "single" = Self::Single }

@@ -20,7 +20,7 @@ use super::{PlanError, Prediction};
 use crate::echo::Asked;
 use crate::echo::synth::block::MAX_PULSES;
 use crate::paths::PathGenerator;
-use crate::paths::block::{Fine, NODES};
+use crate::paths::block::{Fine, Least, NODES};
 use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
@@ -161,7 +161,7 @@ impl<'a> Chooser<'a> {
                 sidelobe_share: 0.0,
                 beyond_share: 0.0,
                 between: None,
-                least_power: budget.least_power,
+                least_power: Least { facet: budget.least_power, part: budget.least_power },
                 turning: budget.turning(),
                 precision: budget.precision,
                 fine: Fine { surface: false, shadows: true },

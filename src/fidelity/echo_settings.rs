@@ -2,7 +2,7 @@
 
 use super::sidelobe::NONE_DB;
 use crate::echo::synth::{Precision, Settings};
-use crate::paths::block::{Fine, NODES, Sidelobe};
+use crate::paths::block::{Fine, Least, NODES, Sidelobe};
 
 /// What the fast echo is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +29,8 @@ pub struct EchoSettings {
     /// Share of its power that a tile may lack where it is evaluated at some pulses alone, its supports;
     /// `None`: at every pulse.
     pub between: Option<f64>,
-    /// Power of a facet over the mean below which it is left out.
-    pub least_power: f64,
+    /// Power over the mean of a facet below which one is left out, or a part of one.
+    pub least_power: Least,
     /// Share of the power of the echo above which it is looked up when a facet turns away from an antenna.
     pub turning: f64,
     /// Word length.

@@ -1,6 +1,6 @@
 //! Relative permittivity of sea water.
 //!
-//! Two models, both with the time convention `exp(+j w t)` (so `Im eps <= 0`):
+//! Three models, all with the time convention `exp(+j w t)` (so `Im eps <= 0`):
 //!
 //! * **Meissner and Wentz 2012** (default), double Debye,
 //!   `eps = (e0-e1)/(1+j f/n1) + (e1-e2)/(1+j f/n2) + e2 - j sigma/(2 pi eps0 f)`;
@@ -8,6 +8,10 @@
 //! * **Klein and Swift 1977**, single Debye,
 //!   `eps = 4.9 + (es-4.9)/(1+j w tau) - j sigma/(w eps0)`;
 //!   IEEE TAP 25, 104. 1 to 10 GHz, 0 to 30 degrees Celsius, 4 to 35 psu (the span of its measurements).
+//! * **ITU-R P.527-6**, section 5.1.2, double Debye with the static permittivity and the relaxation of Liebe,
+//!   the salt of Meissner and Wentz 2004, and the conductivity of the practical salinity scale. A band of
+//!   broadcast and HF radars: 1 MHz to 1 THz, here from -2 to 34 degrees Celsius, 0 to 40 psu. Below its
+//!   relaxations (some 17 GHz) what it says is the static permittivity and the conductivity alone.
 //!
 //! `T` is the temperature in degrees Celsius, `S` the practical salinity, `f` the frequency, `n1`, `n2` the
 //! relaxation frequencies (GHz), `sigma` the conductivity (S/m).
@@ -40,6 +44,8 @@ pub enum Model {
     MeissnerWentz2012,
     /// Klein and Swift 1977, single Debye.
     KleinSwift1977,
+    /// Recommendation ITU-R P.527-6, double Debye.
+    ItuRP527,
 }
 
 impl fmt::Display for Model {
@@ -47,6 +53,7 @@ impl fmt::Display for Model {
         f.write_str(match self {
             Self::MeissnerWentz2012 => "Meissner-Wentz 2012",
             Self::KleinSwift1977 => "Klein-Swift 1977",
+            Self::ItuRP527 => "ITU-R P.527-6",
         })
     }
 }
@@ -98,6 +105,9 @@ impl Model {
             }
             Self::KleinSwift1977 => {
                 Range { frequency_hz: (1e9, 10e9), temperature_c: (0.0, 30.0), salinity_gpkg: (4.0, 35.0) }
+            }
+            Self::ItuRP527 => {
+                Range { frequency_hz: (1e6, 1e12), temperature_c: (-2.0, 34.0), salinity_gpkg: (0.0, 40.0) }
             }
         }
     }
@@ -151,6 +161,7 @@ impl Model {
         match self {
             Self::MeissnerWentz2012 => meissner_wentz(frequency_hz, water),
             Self::KleinSwift1977 => klein_swift(frequency_hz, water),
+            Self::ItuRP527 => itu_r_p527(frequency_hz, water),
         }
     }
 }
@@ -165,12 +176,7 @@ fn meissner_wentz(frequency_hz: f64, water: SeaWater) -> Complex64 {
     let n1 = (45.0 + t) / (5.0478 - 7.0315e-2 * t + 6.0059e-4 * t2);
     let e2 = 3.6143 + 2.8841e-2 * t;
     let n2 = (45.0 + t) / (0.13652 + 1.4825e-3 * t + 2.4166e-4 * t2);
-    // Conductivity.
-    let sigma35 = 2.903602 + 8.607e-2 * t + 4.738817e-4 * t2 - 2.991e-6 * t3 + 4.3047e-9 * t4;
-    let r15 = s * (37.5109 + 5.45216 * s + 1.4409e-2 * s * s) / (1004.75 + 182.283 * s + s * s);
-    let alpha0 = (6.9431 + 3.2841 * s - 9.9486e-2 * s * s) / (84.850 + 69.024 * s + s * s);
-    let alpha1 = 49.843 - 0.2276 * s + 1.98e-3 * s * s;
-    let sigma_spm = sigma35 * r15 * (1.0 + (t - 15.0) * alpha0 / (alpha1 + t));
+    let sigma_spm = conductivity_spm(water);
     // Salt. The T^3 coefficient of n1 is positive in the printed table: a misprint.
     let e0 = e0 * (-3.3330e-3 * s + 4.74868e-6 * s * s).exp();
     let e1 = e1 * (-6.28908e-3 * s + 1.76032e-4 * s * s - 9.22144e-5 * s * t).exp();
@@ -185,6 +191,37 @@ fn meissner_wentz(frequency_hz: f64, water: SeaWater) -> Complex64 {
 
     (e0 - e1) / Complex64::new(1.0, f_ghz / n1) + (e1 - e2) / Complex64::new(1.0, f_ghz / n2)
         - Complex64::new(-e2, sigma_spm / (TAU * VACUUM_PERMITTIVITY_FPM * frequency_hz))
+}
+
+/// Conductivity by the practical salinity scale, as Stogryn et al. 1995 have it, S/m.
+fn conductivity_spm(water: SeaWater) -> f64 {
+    let SeaWater { temperature_c: t, salinity_gpkg: s } = water;
+    let (t2, t3, t4) = (t * t, t * t * t, t * t * t * t);
+    let sigma35 = 2.903602 + 8.607e-2 * t + 4.738817e-4 * t2 - 2.991e-6 * t3 + 4.3047e-9 * t4;
+    let r15 = s * (37.5109 + 5.45216 * s + 1.4409e-2 * s * s) / (1004.75 + 182.283 * s + s * s);
+    let alpha0 = (6.9431 + 3.2841 * s - 9.9486e-2 * s * s) / (84.850 + 69.024 * s + s * s);
+    let alpha1 = 49.843 - 0.2276 * s + 1.98e-3 * s * s;
+    sigma35 * r15 * (1.0 + (t - 15.0) * alpha0 / (alpha1 + t))
+}
+
+fn itu_r_p527(frequency_hz: f64, water: SeaWater) -> Complex64 {
+    let SeaWater { temperature_c: t, salinity_gpkg: s } = water;
+    let f_ghz = frequency_hz * 1e-9;
+    // Pure water.
+    let theta = 300.0 / (t + 273.15) - 1.0;
+    let e0 = 77.66 + 103.3 * theta;
+    let (e1, e2) = (0.0671 * e0, 3.52 - 7.52 * theta);
+    let n1 = 20.20 - 146.4 * theta + 316.0 * theta * theta;
+    let n2 = 39.8 * n1;
+    // Salt.
+    let e0 = e0 * (-3.56417e-3 * s + 4.74868e-6 * s * s + 1.15574e-5 * t * s).exp();
+    let e1 = e1 * (-6.28908e-3 * s + 1.76032e-4 * s * s - 9.22144e-5 * t * s).exp();
+    let n1 = n1 * (1.0 + s * (2.39357e-3 - 3.13530e-5 * t + 2.52477e-7 * t * t));
+    let n2 = n2 * (1.0 + s * (-1.99723e-2 + 1.81176e-4 * t));
+    let e2 = e2 * (1.0 + s * (-2.04265e-3 + 1.57883e-4 * t));
+    let conduction = conductivity_spm(water) / (TAU * VACUUM_PERMITTIVITY_FPM * frequency_hz);
+    (e0 - e1) / Complex64::new(1.0, f_ghz / n1) + (e1 - e2) / Complex64::new(1.0, f_ghz / n2)
+        - Complex64::new(-e2, conduction)
 }
 
 fn klein_swift(frequency_hz: f64, water: SeaWater) -> Complex64 {

@@ -180,6 +180,8 @@ pub enum Permittivity {
     MeissnerWentz,
     /// Klein and Swift 1977: 1 to 10 GHz.
     KleinSwift,
+    /// Recommendation ITU-R P.527-6: 1 MHz to 1 THz.
+    ItuRP527,
 }
 
 /// How waves are shared between the two scattering mechanisms.

@@ -76,6 +76,19 @@ fn from_orbit() {
     );
 }
 
+/// Facets that return much by their specular points and little by Bragg waves, which are handed over apart
+/// where waves travel: when either is weak says nothing of the other. Blocks left specular points out, so
+/// that no nodes kept any error.
+#[test]
+fn specular_points_beside_bragg_waves() {
+    let path = "tests/data/scenarios/forward.toml";
+    for [error_db, ..] in runs::holds(path, &[], &[-60.0, -45.0, -75.0]) {
+        let error_db = format!("{error_db:?}");
+        let run = scene(path, &[("fidelity.error_db", &error_db)]);
+        assert!(plan(&run).chosen.node_pulses > 1, "{error_db}");
+    }
+}
+
 #[test]
 fn short_range_at_ka_band() {
     // At -30 most of the prediction is the bound on what the facets return that are left out.
@@ -159,7 +172,8 @@ fn paths_before_the_window() {
     targets_hold("configs/coastal.toml", &settings, &[-80.0, -75.0]);
 }
 
-/// Targets that the windows of other pulses receive.
+/// Targets that the windows of other pulses receive: two kinds of errors are alike, and each is bounded for
+/// the paths of two emissions, as if these were in phase.
 #[test]
 fn several_pulses_in_the_air() {
     let two = targets(&[([0.0, -30.0, 300.0], 300.0), ([0.0, 60.0, 300.0], -300.0)]);
@@ -167,7 +181,7 @@ fn several_pulses_in_the_air() {
         vec![("target", two.as_str()), ("radar.prf_hz", "50000"), ("scene.duration_s", "0.004")];
     settings.extend([("radar.waveform.pulse_s", "2e-6"), ("radar.window.start_us", "3")]);
     settings.extend(ALL_AROUND);
-    targets_hold("configs/coastal.toml", &settings, &[-80.0, -60.0]);
+    targets_hold_within(KINDS_WITHIN_DB + 1.0, "configs/coastal.toml", &settings, &[-80.0, -60.0]);
 }
 
 /// One that leaves the window within a block: the middle of the block no longer receives what sets its

@@ -264,3 +264,35 @@ fn a_film_darkens_the_sea_smoothly() {
     // The slope density contributes e^-35 here.
     assert!((contrast_db - expected_db).abs() < 1e-6, "{contrast_db} {expected_db}");
 }
+
+/// The recommendation against Meissner and Wentz where both hold, and against the practical salinity scale
+/// below: sea water of 35 psu at 15 degrees conducts 4.2914 S/m, by definition of the scale.
+#[test]
+fn permittivity_of_the_recommendation() {
+    use nereus::scattering::permittivity::{Model, SeaWater, VACUUM_PERMITTIVITY_FPM};
+    let mut worst: (f64, f64) = (0.0, 0.0);
+    for (carrier_hz, most) in [(1e9, 0.06), (3e9, 0.03), (10e9, 0.03), (35e9, 0.06), (90e9, 0.06)] {
+        for temperature_c in [0.0, 10.0, 20.0, 30.0] {
+            for salinity_gpkg in [0.0, 20.0, 35.0] {
+                let water = SeaWater { temperature_c, salinity_gpkg };
+                let of = |model: Model| model.permittivity(carrier_hz, water).unwrap();
+                let (itu, mw) = (of(Model::ItuRP527), of(Model::MeissnerWentz2012));
+                let error = (itu - mw).norm() / mw.norm();
+                worst = if error > worst.0 { (error, carrier_hz) } else { worst };
+                assert!(error < most, "{carrier_hz} {water:?}: {itu} {mw}");
+            }
+        }
+    }
+    let standard = SeaWater { temperature_c: 15.0, salinity_gpkg: 35.0 };
+    for carrier_hz in [1e6, 10e6, 100e6] {
+        let eps = Model::ItuRP527.permittivity(carrier_hz, standard).unwrap();
+        // Relaxation adds to the imaginary part what grows with the frequency.
+        let relaxed = (eps.re - 5.0) * carrier_hz / 14e9;
+        let found_spm = (-eps.im - relaxed) * TAU * VACUUM_PERMITTIVITY_FPM * carrier_hz;
+        assert!((found_spm / 4.2914 - 1.0).abs() < 2e-3, "{carrier_hz}: {found_spm} S/m");
+        // Static, of 35 psu: 70 to 75 by all that measured it.
+        assert!((70.0..75.0).contains(&eps.re), "{eps}");
+    }
+    let warm = SeaWater { temperature_c: 20.0, salinity_gpkg: 35.0 };
+    println!("worst {worst:?}; at 100 MHz {:.1}", Model::ItuRP527.permittivity(100e6, warm).unwrap());
+}

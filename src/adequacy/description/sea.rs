@@ -282,6 +282,7 @@ fn water_text(sea: &Sea) -> String {
     let model = match sea.scattering.permittivity {
         Permittivity::MeissnerWentz => "Meissner and Wentz 2012",
         Permittivity::KleinSwift => "Klein and Swift 1977",
+        Permittivity::ItuRP527 => "ITU-R P.527-6",
     };
     format!("{} C, {} psu, permittivity of {model}", sea.water.temperature_c, sea.water.salinity_psu)
 }

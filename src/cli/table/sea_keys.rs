@@ -27,9 +27,10 @@ const HEIGHT_M: f64 = 10.0;
 const FETCH_M: f64 = 100e3;
 
 /// Models of the permittivity of sea water.
-const MODELS: [Word<Model>; 2] = [
+const MODELS: [Word<Model>; 3] = [
     ("mw12", "Meissner and Wentz 2012: 1 to 90 GHz", Model::MeissnerWentz2012),
     ("ks77", "Klein and Swift 1977: 1 to 10 GHz", Model::KleinSwift1977),
+    ("itu527", "Recommendation ITU-R P.527-6: 1 MHz to 1 THz", Model::ItuRP527),
 ];
 /// Wind profiles.
 const PROFILES: [Word<WindProfile>; 2] = [

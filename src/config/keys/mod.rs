@@ -204,6 +204,13 @@ pub(super) const KLEIN_SWIFT: ModelRange = ModelRange {
     salinity_psu: [4.0, 35.0],
 };
 
+pub(super) const ITU_R_P527: ModelRange = ModelRange {
+    model: "itu-r-p527",
+    carrier_hz: [1e6, 1e12],
+    temperature_c: [-2.0, 34.0],
+    salinity_psu: [0.0, 40.0],
+};
+
 macro_rules! tables {
     ($($module:ident $heading:literal $about_table:literal {
         $($key:ident $name:literal, $kind:expr, $absent:expr, $about:literal;)*

@@ -22,7 +22,7 @@ tables! {
         DEPTH_M "depth_m", number("m", 0.1, 1e5), Means("deep water"), "Depth of the water, for the speed of the waves.";
         TEMPERATURE_C "temperature_c", number("C", -2.0, 34.0), default(20.0), "Temperature of the water; klein-swift holds from 0 to 30.";
         SALINITY_PSU "salinity_psu", number("psu", 0.0, 40.0), default(35.0), "Practical salinity (PSS-78); 35 is 35.17 g/kg of salt. klein-swift holds from 4 to 35.";
-        PERMITTIVITY "permittivity", Choice(words::<Permittivity>), Word("meissner-wentz"), "Model of the permittivity: Meissner and Wentz 2012 (1 to 90 GHz), Klein and Swift 1977 (1 to 10 GHz).";
+        PERMITTIVITY "permittivity", Choice(words::<Permittivity>), Word("meissner-wentz"), "Model of the permittivity: Meissner and Wentz 2012 (1 to 90 GHz), Klein and Swift 1977 (1 to 10 GHz), Recommendation ITU-R P.527-6 (1 MHz to 1 THz).";
         AVERAGING "averaging", Choice(words::<Averaging>), Word("automatic"), "How the spectrum is taken on the grid of wave numbers: at points, as means over cells, or means only where the grid is coarse for the spectrum.";
         STATE_PATH "state_path", File, Means("the waves are drawn from scene.seed"), "A saved sea of the same grid to start from.";
         SCATTERING "scattering", Section(&scattering::TABLE), Means("all defaults"), "How facets scatter.";

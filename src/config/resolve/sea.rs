@@ -6,7 +6,7 @@ use crate::config::choices::{
     WithTail,
 };
 use crate::config::error::Problem;
-use crate::config::keys::{self, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
+use crate::config::keys::{self, ITU_R_P527, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
 use crate::config::section::Section;
 use crate::scene::sea::{
     BraggWaves, Breaking, FacetScattering, Modulation, PatchPlace, Permittivity, Phases, Realisation,
@@ -230,11 +230,16 @@ fn permittivity(section: &Section<'_>, carrier_hz: Option<f64>) -> Option<Permit
     let range = match model {
         Permittivity::MeissnerWentz => MEISSNER_WENTZ,
         Permittivity::KleinSwift => KLEIN_SWIFT,
+        Permittivity::ItuRP527 => ITU_R_P527,
     };
     let check = |key: &'static Key, what: &str, unit: &str, value: Option<f64>, [low, high]: [f64; 2]| {
         if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
             let found = format!("{what} = {} {unit}", keys::figure(value));
-            let allowed = format!("{} to {} {unit}", keys::figure(low), keys::figure(high));
+            let mut allowed = format!("{} to {} {unit}", keys::figure(low), keys::figure(high));
+            let [least, most] = ITU_R_P527.carrier_hz;
+            if unit == "Hz" && (least..=most).contains(&value) {
+                allowed.push_str(&format!(", or permittivity = \"{}\"", ITU_R_P527.model));
+            }
             section.fault(key, Problem::BeyondModel { model: range.model, found, allowed });
         }
     };

@@ -84,8 +84,11 @@ fn ranges_are_those_of_the_laws() {
     assert_eq!(range(&keys::sea::SPREADING_EXPONENT), [0.0, spreading::MAX_EXPONENT]);
     assert_eq!(range(&keys::scene::FACET_M), surface::grid::FACET_RANGE_M);
     assert_eq!(keys::MOST_FACETS, surface::grid::MAX_FACETS as u64);
-    let models =
-        [(keys::MEISSNER_WENTZ, Model::MeissnerWentz2012), (keys::KLEIN_SWIFT, Model::KleinSwift1977)];
+    let models = [
+        (keys::MEISSNER_WENTZ, Model::MeissnerWentz2012),
+        (keys::KLEIN_SWIFT, Model::KleinSwift1977),
+        (keys::ITU_R_P527, Model::ItuRP527),
+    ];
     let mut widest = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for (listed, model) in models {
         let law = model.range();
@@ -365,12 +368,12 @@ sea.temperature_c: 35 is out of range; allowed: a number from -2 to 34 C
 sea.salinity_psu: -1 is out of range; allowed: a number from 0 to 40 psu
 "#);
     insta::assert_snapshot!(faults(&[("sea.permittivity", "klein-swift"), ("sea.temperature_c", "-1"), ("sea.salinity_psu", "36"), ("radar.carrier_hz", "35e9")]), @r#"
-sea.permittivity: "klein-swift" does not hold at radar.carrier_hz = 3.5e10 Hz; allowed: 1e9 to 1e10 Hz
+sea.permittivity: "klein-swift" does not hold at radar.carrier_hz = 3.5e10 Hz; allowed: 1e9 to 1e10 Hz, or permittivity = "itu-r-p527"
 sea.temperature_c: "klein-swift" does not hold at temperature_c = -1 C; allowed: 0 to 30 C
 sea.salinity_psu: "klein-swift" does not hold at salinity_psu = 36 psu; allowed: 4 to 35 psu
 "#);
     insta::assert_snapshot!(faults(&[("radar.carrier_hz", "95e9"), ("radar.prf_hz", "-1")]), @r#"
-sea.permittivity: "meissner-wentz" does not hold at radar.carrier_hz = 9.5e10 Hz; allowed: 1e9 to 9e10 Hz
+sea.permittivity: "meissner-wentz" does not hold at radar.carrier_hz = 9.5e10 Hz; allowed: 1e9 to 9e10 Hz, or permittivity = "itu-r-p527"
 radar.prf_hz: -1 is out of range; allowed: a number from 0.001 to 1e9 Hz
 "#);
     // The same carrier is nobody's business without water.

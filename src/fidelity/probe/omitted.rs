@@ -10,7 +10,7 @@ use super::{ErrorSampler, Powers, Truth, square};
 use crate::fidelity::budget::Budget;
 use crate::fidelity::sidelobe::NONE_DB;
 use crate::fidelity::worst::Sum;
-use crate::paths::block::FEW;
+use crate::paths::block::{FEW, Least};
 use crate::radar::fault::RadarError;
 
 /// Power of a facet over the mean of all up to which it may be left out, dB: from 0 down.
@@ -27,8 +27,8 @@ const EACH_DB: f64 = 9.0;
 /// What is left out for a budget.
 #[derive(Clone, Debug)]
 pub struct Omission {
-    /// Power of a facet over the mean up to which it is left out.
-    pub least_power: f64,
+    /// Power over the mean of a facet up to which one is left out, or a part of one.
+    pub least_power: Least,
     /// Two-way gain over its peak below which tiles are left out, dB.
     pub cutoff_db: f64,
     /// Share of the facets that is spread, and of those beyond the beams, means over the run.
@@ -149,10 +149,12 @@ impl ErrorSampler<'_> {
         // All facets together do not matter where each is as weak as that.
         let safe = leasts.partition_point(|least| *least > budget.least_power);
         let weak = first(weak_power).unwrap_or(LEASTS - 1).min(safe);
+        let parts = (self.generator.parts_of_tiles() + 1) as f64;
         let beyond_share = of_facets(beyond[cutoff]);
         let power = weak_power[weak].iter().zip(&beyond_power[cutoff]).map(|(weak, beyond)| weak + beyond);
         Omission {
-            least_power: leasts[weak],
+            // Of parts nothing is known but that all of them together do not matter.
+            least_power: Least { facet: leasts[weak], part: leasts[weak].min(budget.least_power / parts) },
             cutoff_db: cutoffs_db[cutoff],
             kept: of_facets(kept[weak]).min(1.0 - beyond_share),
             beyond_share,

@@ -127,6 +127,16 @@ pub struct Tally {
     pub beyond: u64,
 }
 
+/// Power over the mean of a facet below which something is left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Least {
+    /// A facet.
+    pub facet: f64,
+    /// A part of one, of those in which it is handed over: its Bragg waves, its specular points. A facet may
+    /// return much although one of these is weak.
+    pub part: f64,
+}
+
 /// What a sample of the facets shows of a block and pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
@@ -268,12 +278,12 @@ impl PathGenerator {
     }
 
     /// Hands over the tiles of the block that was opened, facets that return nothing left out, and those
-    /// whose power is at every pulse less than `least` of the sample's mean.
+    /// whose power is at every pulse less than so much of the sample's mean.
     pub fn visit_tiles(
         &self,
         patch: &Patch,
         samples: &[Sample],
-        least: f64,
+        least: Least,
         work: &mut TileWork,
         costs: &mut Costs,
         mut each: impl FnMut(&Tile),
@@ -292,11 +302,12 @@ impl PathGenerator {
                     tally.beyond += facets;
                     break;
                 }
-                part = sea.part_after(own, || work.tile.reflects((samples, least)));
+                part = sea.part_after(own, || work.tile.reflects((samples, least.part)));
+                let is_whole = own == sea.first_part() && part.is_none();
                 if work.tile.tier == Tier::Sidelobe {
                     tally.sidelobe += facets;
                 }
-                work.thin_out((samples, least), tally);
+                work.thin_out((samples, if is_whole { least.facet } else { least.part }), tally);
                 // What is left out need not be turned.
                 (0..self.plans.len()).for_each(|pair| self.turn(sea, pair, work));
                 costs.lap(Stage::ScattererPaths);

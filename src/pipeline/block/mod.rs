@@ -36,7 +36,8 @@ use crate::echo::synth::lanes::LaneWork;
 use crate::echo::synth::{Grids, Synth, SynthError, SynthScratch};
 use crate::fidelity::echo_settings::{EchoSettings, block_pulses};
 use crate::paths::block::{
-    Borders, Fine, Instants, NODES, PanelWork, Sample, ShareBorders, Sidelobe, Tiers, TileWork, nodes_within,
+    Borders, Fine, Instants, Least, NODES, PanelWork, Sample, ShareBorders, Sidelobe, Tiers, TileWork,
+    nodes_within,
 };
 use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Received, Workspace};
@@ -83,8 +84,8 @@ pub(crate) struct BlockEcho {
     fine: Fine,
     /// What a tile may lack at its supports alone.
     between: Option<f64>,
-    /// Power of a facet over the mean below which it is left out.
-    least_power: f64,
+    /// Power over the mean of a facet below which one is left out, or a part of one.
+    least_power: Least,
     /// The same of one of which it is looked up when it turns away, over the power of the echo.
     turning: f64,
     pulses: u64,

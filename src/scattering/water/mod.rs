@@ -177,6 +177,7 @@ fn medium(sea: &Sea, wind: &Wind, carrier_hz: f64) -> Result<Medium, WaterError>
     let model = match sea.scattering.permittivity {
         Permittivity::MeissnerWentz => Model::MeissnerWentz2012,
         Permittivity::KleinSwift => Model::KleinSwift1977,
+        Permittivity::ItuRP527 => Model::ItuRP527,
     };
     let sea_water = SeaWater { temperature_c, salinity_gpkg: salinity_psu };
     let (sin, cos) = wind.direction_rad.sin_cos();
