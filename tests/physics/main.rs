@@ -59,6 +59,7 @@ mod wake_laws;
 mod wake_map;
 mod wake_short;
 mod wake_short_nodes;
+mod wake_track;
 mod wake_turbulent;
 mod wake_kochin;
 mod waveform_codes;

@@ -279,6 +279,7 @@ pub static TABLES: &[&Table] = &[
     &land::TABLE,
     &ship::TABLE,
     &ais::TABLE,
+    &way::TABLE,
     &turbulent::TABLE,
     &target::TABLE,
     &target_grid::TABLE,
