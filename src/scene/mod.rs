@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod clock;
+pub mod front_end;
 #[doc(hidden)]
 pub mod hermite;
 pub mod hull;

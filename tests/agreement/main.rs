@@ -14,6 +14,7 @@ mod continuous;
 mod emitters;
 mod dechirp;
 mod ends;
+mod front_end;
 mod hidden;
 mod horizon;
 mod known_errors;

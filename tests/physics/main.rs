@@ -14,6 +14,7 @@ mod clutter_nrl;
 mod echo_golden;
 mod echo_peak;
 mod echo_quadrature;
+mod front_end;
 mod gaussian_facets;
 mod hull_particulars;
 mod hull_tables;

@@ -252,6 +252,7 @@ pub static TABLES: &[&Table] = &[
     &dechirp::TABLE,
     &window::TABLE,
     &follow::TABLE,
+    &front_end::TABLE,
     &adc::TABLE,
     &channel::TABLE,
     &calibration::TABLE,

@@ -10,6 +10,7 @@ mod clock;
 mod emitter;
 mod errors;
 mod event;
+mod front_end;
 mod land;
 mod nav_out;
 mod patch;
