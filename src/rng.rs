@@ -21,6 +21,8 @@ use rand_chacha::rand_core::SeedableRng;
 pub enum Room {
     /// Thermal noise of a receiver: index = pulse, part = channel.
     ReceiverNoise = 1,
+    /// Jitter of the sampling clock: index = pulse.
+    SamplingJitter = 2,
     /// Complex amplitude of a sea wave: index = wave-number index along x, part = along y (as two's
     /// complement).
     SeaWave = 16,

@@ -12,7 +12,7 @@ use crate::pipeline::fault::{BuildError, BuildErrors};
 use crate::pipeline::prepared::Prepared;
 use crate::scene::hull::{Hull, Particulars, QUANTITIES};
 use crate::scene::mesh;
-use crate::scene::ship::{ShipMotion, UpAxis};
+use crate::scene::ship::{Sailed, ShipMotion, UpAxis};
 use crate::scene::{Patch, Sea, Ship};
 use crate::sea::fleet::{self, FleetError, ShipError};
 use crate::sea::seakeeping::Seakeeping;
@@ -225,6 +225,12 @@ fn outside(
     for at in prepared.spread(3) {
         let patch = at.patch(sea)?;
         let pose = course.pose(at.elapsed_s);
+        if let Some(way) = &ship.trajectory {
+            if holds(&patch, Sailed::on(way, at.elapsed_s, pose.ahead).position_m) {
+                return Ok(None);
+            }
+            continue;
+        }
         if holds(&patch, pose.position_m) {
             return Ok(None);
         }
@@ -234,6 +240,12 @@ fn outside(
             let behind_m = astern_m + 0.5 * length_m;
             behind_m > 0.0 && starboard_m.abs() <= WEDGE_TANGENT * behind_m
         });
+    }
+    if ship.trajectory.is_some() {
+        let name = &ship.name;
+        return Ok(Some(format!(
+            "ship \"{name}\" lies outside the patch of sea at the start, middle and end of the run"
+        )));
     }
     let wake = if reached { ": its wake reaches it" } else { ", and so does its wake" };
     let name = &ship.name;
@@ -268,6 +280,7 @@ mod tests {
             turbulent: Some(TurbulentWake::default()),
             echo: false,
             mesh: Default::default(),
+            trajectory: None,
             panels: Default::default(),
         }
     }

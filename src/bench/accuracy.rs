@@ -46,6 +46,7 @@ use crate::pipeline::prepared::Prepared;
 use crate::pipeline::stages::PulseFactory;
 use crate::pulse::Samples;
 use crate::rng::{Room, stream};
+use crate::scene::front_end::FrontEnd;
 
 /// What no difference at all is reported as, dB; twice the bits of an f64 lie above.
 pub const LEAST_DB: f64 = -400.0;
@@ -84,11 +85,12 @@ pub struct Judge {
     prepared: Arc<Prepared>,
 }
 
-/// The same run without noise and converter, and without sinks.
+/// The same run without noise and converter, with an ideal front end, and without sinks.
 pub fn noiseless(run: &Run) -> Run {
     let mut run = run.clone();
     run.scene.radar.noise_figure_db = None;
     run.scene.radar.adc = None;
+    run.scene.radar.front_end = FrontEnd::default();
     run.calibration.clear();
     run.sinks.clear();
     run

@@ -254,8 +254,7 @@ impl Sheet<'_> {
         let header = &self.ppi.recording().header;
         let row = |(target, name): (usize, &String)| {
             let described = scenario.0.scene.targets.iter().find(|of| of.name == *name)?;
-            let (position, velocity) = (described.position.to_array(), described.velocity.to_array());
-            let at = |t: f64| [0, 1, 2].map(|axis| position[axis] + t * velocity[axis]);
+            let at = |t: f64| described.at(t).0.to_array();
             let [range_m, bearing_rad] = self.ppi.target(scan, target, &at)?;
             let level_w = polar.level_at(range_m, bearing_rad, self.ppi.extent());
             Some(TargetRow {

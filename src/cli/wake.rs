@@ -55,6 +55,11 @@ pub(super) fn wake(args: &WakeArgs, out: &mut dyn Write) -> Result<(), CliError>
         return Err(Refused::Without { path: path.clone(), what: "[[ship]]" }.into());
     }
     let lines = lines(args, sea.patch.facet_m)?;
+    if let Some(ship) = ships.iter().find(|ship| ship.trajectory.is_some()).filter(|_| !lines.is_empty()) {
+        let asked = format!("cuts of ship '{}', which is on a track", ship.name);
+        let allowed = "--out and --png of ships on tracks; cuts where all ships sail straight on";
+        return Err(Refused::Value { asked, allowed: allowed.to_owned() }.into());
+    }
     let kinds = [(&asked.out, FileKind::Hdf5), (&asked.png, FileKind::Png)];
     let [map, picture] = outputs(kinds, asked.output.overwrite.force)?;
     let patch = patch_at(&run, sea, time_s)?;

@@ -100,6 +100,7 @@ choices! {
         Hdf5 = "hdf5", Plain = "plain", Crsd = "crsd", Vita49 = "vita49", Shm = "shm", Zmq = "zmq", Nav = "nav",
         Null = "null"
     }
+    HeightsKind { Sea = "sea", Recorded = "recorded" }
     NavFormat { Nmea = "nmea", InspvaxAscii = "inspvaxa", InspvaxBinary = "inspvaxb" }
 }
 
@@ -148,7 +149,20 @@ pub(super) enum TrackKind {
     Live,
 }
 
+/// Where the way of a target or a ship comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum WayKind {
+    Recorded(FileFormat),
+    Waypoints,
+}
+
 words! {
+    WayKind {
+        "csv" = Self::Recorded(FileFormat::Csv), "nmea" = Self::Recorded(FileFormat::Nmea),
+        "inspvax" = Self::Recorded(FileFormat::Inspvax), "sbet" = Self::Recorded(FileFormat::Sbet { gps_week: 0 }),
+        "gpx" = Self::Recorded(FileFormat::Gpx), "kml" = Self::Recorded(FileFormat::Kml),
+        "waypoints" = Self::Waypoints
+    }
     TrackKind {
         "fixed" = Self::Fixed, "straight" = Self::Straight, "csv" = Self::Recorded(FileFormat::Csv),
         "nmea" = Self::Recorded(FileFormat::Nmea), "inspvax" = Self::Recorded(FileFormat::Inspvax),

@@ -25,6 +25,7 @@ mod navigation;
 mod emitters;
 mod errors;
 mod faults;
+mod front_end;
 mod sea;
 mod sea_defaults;
 mod ship;
@@ -113,6 +114,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
     seas.extend(changes::variants());
     seas.extend(waveforms::variants());
     seas.extend(scanning::variants());
+    seas.extend(front_end::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides), Files::Required).asked);

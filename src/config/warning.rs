@@ -128,6 +128,19 @@ pub enum Warning {
         /// What is none, or says too little.
         passed_over: PassedOver,
     },
+    /// Vessels that follow their reports.
+    #[error(
+        "{log}: {refused} reports left out for which vessels would have to turn or run faster than they can \
+         (max_turn_degps); {stopping} vessels left out that stop on their way"
+    )]
+    AisFollowed {
+        /// The log.
+        log: String,
+        /// Reports that no vessel can have made.
+        refused: usize,
+        /// Vessels that stop.
+        stopping: usize,
+    },
     /// An aperture that is none.
     #[error(
         "the aperture of \"{antenna}\", {width_m} m x {height_m} m, is smaller than half a wavelength ({half_m:.4} m): the gain \

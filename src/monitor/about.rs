@@ -6,9 +6,9 @@ use super::footprint::Outline;
 use crate::pulse::PlatformRecord;
 use crate::radar::antenna::Antenna;
 use crate::recording::header::Header;
-use crate::scene::Scene;
 use crate::scene::radar::{Aim, AimFrom, AntennaMount};
 use crate::scene::sea::{PatchPlace, SlickShape};
+use crate::scene::{Scene, Target};
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Corners of a slick that is an ellipse.
@@ -25,7 +25,7 @@ pub struct Scenery {
     patch_m: Option<[f64; 2]>,
     place: Option<Place>,
     lengths_m: Vec<Option<f64>>,
-    targets: Vec<[[f64; 3]; 2]>,
+    targets: Vec<Option<[[f64; 3]; 2]>>,
     slicks: Vec<(String, Vec<[f64; 2]>)>,
 }
 
@@ -75,6 +75,11 @@ impl Scenery {
                 })
                 .collect(),
         };
+        // The page carries targets straight on.
+        let straight = |target: &Target| match target.trajectory {
+            None => Some([target.position.to_array(), target.velocity.to_array()]),
+            Some(_) => None,
+        };
         Self {
             title: title.to_owned(),
             replayed: false,
@@ -82,7 +87,7 @@ impl Scenery {
             patch_m: sea.map(|sea| sea.patch.size_m()),
             place,
             lengths_m: scene.ships.iter().map(|ship| ship.length_m).collect(),
-            targets: scene.targets.iter().map(|t| [t.position.to_array(), t.velocity.to_array()]).collect(),
+            targets: scene.targets.iter().map(straight).collect(),
             slicks: sea
                 .iter()
                 .flat_map(|sea| &sea.slicks)
@@ -163,7 +168,7 @@ pub fn about(header: &Header, scenery: &Scenery, columns: Option<usize>, control
         "platforms": header.platforms,
         "antennas": antennas.collect::<Vec<_>>(),
         "targets": header.targets.iter().enumerate().map(|(place, name)| {
-            let known = scenery.targets.get(place);
+            let known = scenery.targets.get(place).copied().flatten();
             json!({ "name": name, "position_m": known.map(|known| known[0]), "velocity_mps": known.map(|known| known[1]) })
         }).collect::<Vec<_>>(),
         "ships": header.ships.iter().enumerate().map(|(place, name)| {

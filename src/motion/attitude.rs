@@ -11,8 +11,8 @@
 //! A derived heading needs a speed of [`MIN_SPEED_MPS`] at least: below it the direction of the velocity is
 //! noise, and the track is refused.
 //!
-//! Between nodes the unit quaternion is the normalised quintic Hermite ([`super::hermite`]) of the node
-//! quaternions (signs aligned), whose derivatives come from the seven nearest nodes: C2 in time, so the
+//! Between nodes the unit quaternion is the normalised quintic Hermite ([`crate::scene::hermite`]) of the
+//! node quaternions (signs aligned), whose derivatives come from the seven nearest nodes: C2 in time, so the
 //! angular rate is continuous. Exact at the nodes. The angular rate is that of the attitude returned,
 //! `omega = 2 (dq/dt) q*`, components along ENU.
 //!
@@ -25,7 +25,7 @@
 
 use glam::{DQuat, DVec3, DVec4};
 
-use super::hermite::{Basis, derivative_weights, stencil};
+use crate::scene::hermite::{Basis, STENCIL, derivative_weights, stencil};
 
 /// Standard gravity, m/s^2.
 pub const GRAVITY_MPS2: f64 = 9.806_65;
@@ -104,7 +104,7 @@ pub(super) fn turn(
     q: impl Fn(usize) -> DVec4,
     t_s: impl Fn(usize) -> f64,
 ) -> Turn {
-    let mut times = [0.0; super::hermite::STENCIL];
+    let mut times = [0.0; STENCIL];
     for (time, node) in times.iter_mut().zip(stencil.clone()) {
         *time = t_s(node);
     }

@@ -1,8 +1,8 @@
 //! Where everything is at an instant.
 //!
 //! [`Track`] is the trajectory of a platform: recorded, straight, live, in turbulence, or as the platform
-//! reports it. [`track`] makes one from recorded fixes with [`outliers`] and [`smoother`]; [`hermite`]
-//! interpolates, [`attitude`] derives what a recording leaves out. [`pointing`] mounts antennas on the body
+//! reports it. [`track`] makes one from recorded fixes with [`outliers`] and [`smoother`]; [`attitude`]
+//! derives what a recording leaves out. [`pointing`] mounts antennas on the body
 //! and turns them, by the law of a [`scan`] too. Live fixes pass a [`gate`]. [`errors`] and [`changes`] are
 //! what is wrong with a report, and what changes of it in mid-run.
 
@@ -16,8 +16,6 @@ pub mod gate;
 #[doc(hidden)]
 pub mod gusts;
 #[doc(hidden)]
-pub mod hermite;
-#[doc(hidden)]
 pub mod outliers;
 mod place;
 #[doc(hidden)]
@@ -25,11 +23,15 @@ pub mod pointing;
 #[doc(hidden)]
 pub mod proposal;
 #[doc(hidden)]
+pub mod reported_courses;
+#[doc(hidden)]
 pub mod scan;
 #[doc(hidden)]
 pub mod smoother;
 mod source;
 pub mod track;
+#[doc(hidden)]
+pub mod waypoints;
 
 pub use source::PlatformNav;
 pub use track::{FitReport, Report, SourceError, SourceReport, State, Track, TrackError};

@@ -221,7 +221,7 @@ mod tests {
                 }
                 if i > 0 {
                     let (a, b, h) = (states[i - 1], state, step_s[i - 1]);
-                    let controls = super::super::hermite::acceleration_controls(
+                    let controls = crate::scene::hermite::acceleration_controls(
                         b[0] - a[0],
                         [a[1], b[1]],
                         [a[2], b[2]],

@@ -29,6 +29,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::frames::{Enu, Vector};
 use crate::geometry::light_time::Path;
 use crate::radar::fault::RadarFault;
 use crate::radar::pattern::{GridPattern, Quantity};
@@ -38,18 +39,21 @@ use crate::scene::Target;
 #[derive(Clone, Debug)]
 pub(super) struct Aspect {
     table: Arc<GridPattern>,
-    heading_rad: f64,
+    /// `None`: along the velocity.
+    heading_rad: Option<f64>,
     mean_m2: f64,
 }
 
 impl Aspect {
-    /// Cross section over the mean of the table, along a path; `up` is the vertical of the target's place.
-    pub fn over_mean(&self, up: DVec3, path: &Path) -> f64 {
+    /// Cross section over the mean of the table, along a path; `up` is the vertical of the target's place,
+    /// and it moves at the velocity.
+    pub fn over_mean(&self, up: DVec3, velocity: Vector<Enu>, path: &Path) -> f64 {
         // Straight through the target there is no bisector.
         let towards = (path.scattered - path.incident).normalize_or(-path.incident);
         let north = (DVec3::Y - up * up.y).normalize_or(DVec3::Y);
         let east = north.cross(up);
-        let (sin, cos) = self.heading_rad.sin_cos();
+        let [vx, vy, _] = velocity.to_array();
+        let (sin, cos) = self.heading_rad.unwrap_or_else(|| vx.atan2(vy)).sin_cos();
         let (ahead, starboard) = (north * cos + east * sin, east * cos - north * sin);
         let azimuth_rad = towards.dot(starboard).atan2(towards.dot(ahead));
         let elevation_rad = towards.dot(up).clamp(-1.0, 1.0).asin();

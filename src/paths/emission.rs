@@ -231,10 +231,12 @@ impl Emission {
                 None => fluctuation(target.swerling, of.seed, number as u64, index, elapsed_s),
             };
             let aspect = of.aspects.get(number).and_then(Option::as_ref);
-            let up = aspect.map(|_| of.up(number, elapsed_s));
+            let way = aspect.map(|_| (of.up(number, elapsed_s), of.target(number, elapsed_s).1));
             for (n, pair) in of.pairs.iter().enumerate() {
                 let path = || &self.paths[number * of.pairs.len() + n];
-                let seen = aspect.zip(up).map_or(1.0, |(aspect, up)| aspect.over_mean(up, path()));
+                let seen = aspect
+                    .zip(way)
+                    .map_or(1.0, |(aspect, (up, velocity))| aspect.over_mean(up, velocity, path()));
                 let passes = of.passes(number, pair, elapsed_s, most_of_run.is_none())?;
                 self.variation.push((power * seen).sqrt() * passes);
             }

@@ -1,6 +1,7 @@
 //! Floating targets: how the sea lifts them, and when its crests hide them.
 //!
-//! At the place `x = x_0 + v t` of a target the mean surface under it has the height
+//! At the place `x = x_0 + v t` of a target (or that of its trajectory) the mean surface under it has the
+//! height
 //!
 //! `z(t) = sum over K of 2 Re a(K) W(K) e^{j (K.x_0 - w_e t)}` , `w_e = w(K) - K.v` ,
 //! `W(K) = sin(K L/2)/(K L/2)` for `K < 2 pi/L`, else 0
@@ -37,7 +38,7 @@ use crate::frames::{Enu, Point, SceneFrame, Vector};
 use crate::geometry::shadow::visible;
 use crate::motion::pointing::PhaseCentre;
 use crate::paths::waves::{Component, Series, components, met, quintic};
-use crate::scene::Target;
+use crate::scene::{self, Target, Trajectory};
 use crate::sea::surface::Surface;
 
 /// Steps of a line of sight whose heights are found at once, and all of them.
@@ -92,6 +93,8 @@ pub(super) struct Heave {
     weights: Vec<OnceLock<[f64; 2]>>,
     /// East, North at pulse 0 and speed, m/s.
     course: [[f64; 2]; 2],
+    /// Where it goes, unless straight on.
+    trajectory: Option<Trajectory>,
     /// Above the mean sea, m.
     height_m: f64,
 }
@@ -107,26 +110,49 @@ impl Heave {
     ) -> Self {
         let ([x_m, y_m, z_m], [vx, vy, _]) = (target.position.to_array(), target.velocity.to_array());
         let course = [[x_m, y_m], [vx, vy]];
-        let fastest = waves.iter().map(|wave| wave.met(course[1]).abs()).fold(0.0, f64::max);
+        let met = |wave: &Wave| match &target.trajectory {
+            None => wave.met(course[1]).abs(),
+            Some(way) => wave.omega.abs() + wave.k[0].hypot(wave.k[1]) * way.fastest_mps(),
+        };
+        let fastest = waves.iter().map(met).fold(0.0, f64::max);
         let knots = Series::new(fastest, last_s);
         let ends = crests.map_or(0, |crests| knots.len() * crests.antennas);
         let weights = std::iter::repeat_with(OnceLock::new).take(ends).collect();
         let height_m = z_m + frame.earth().drop_m(x_m, y_m);
-        Self { waves, knots, crests, weights, course, height_m }
+        let trajectory = target.trajectory.clone();
+        Self { waves, knots, crests, weights, course, trajectory, height_m }
+    }
+
+    /// What adds to the phase of a wave vector at a time: its phase at the origin and pulse 0, the frequency
+    /// with which it is met, and by how much that grows in a second.
+    fn phase(&self, wave: &Wave, time_s: f64, now: Option<&scene::trajectory::Knot>) -> [f64; 3] {
+        let along = |[x, y]: [f64; 2]| wave.k[0] * x + wave.k[1] * y;
+        let Some(now) = now else {
+            let met = wave.met(self.course[1]);
+            return [along(self.course[0]) - met * time_s, met, 0.0];
+        };
+        let level = |[x, y, _]: [f64; 3]| [x, y];
+        let met = wave.met(level(now.velocity.to_array()));
+        let place = along(level(now.position.to_array()));
+        [place - wave.omega * time_s, met, -along(level(now.acceleration.to_array()))]
     }
 
     fn knot(&self, number: usize) -> Knot {
-        let [place, velocity] = self.course;
         self.knots.knot(number, |time_s| {
+            let now = self.trajectory.as_ref().map(|way| way.at(time_s));
             self.waves.iter().fold(Knot::default(), |sum, wave| {
-                let ([z, rate, acceleration], met) = (sum.height, wave.met(velocity));
-                let turned = wave.k[0] * place[0] + wave.k[1] * place[1] - met * time_s;
+                let [z, rate, acceleration] = sum.height;
+                let [turned, met, grows] = self.phase(wave, time_s, now.as_ref());
                 let lift = wave.share * wave.amplitude * Complex64::cis(turned);
                 let slope = |i: usize| {
                     [sum.slope[i][0] - wave.k[i] * lift.im, sum.slope[i][1] + wave.k[i] * met * lift.re]
                 };
                 Knot {
-                    height: [z + lift.re, rate + met * lift.im, acceleration - met * met * lift.re],
+                    height: [
+                        z + lift.re,
+                        rate + met * lift.im,
+                        acceleration - met * met * lift.re + grows * lift.im,
+                    ],
                     slope: [slope(0), slope(1)],
                 }
             })
@@ -143,7 +169,14 @@ impl Heave {
     /// Where the target is, and how fast, at a time after pulse 0.
     pub fn at(&self, frame: &SceneFrame, elapsed_s: f64) -> (Point<Enu>, Vector<Enu>) {
         let [[x_m, y_m], [vx, vy]] = self.course;
-        let (x_m, y_m) = (x_m + vx * elapsed_s, y_m + vy * elapsed_s);
+        let (x_m, y_m, vx, vy) = match &self.trajectory {
+            None => (x_m + vx * elapsed_s, y_m + vy * elapsed_s, vx, vy),
+            Some(way) => {
+                let now = way.at(elapsed_s);
+                let ([x_m, y_m, _], [vx, vy, _]) = (now.position.to_array(), now.velocity.to_array());
+                (x_m, y_m, vx, vy)
+            }
+        };
         let ([z_m, rate], earth) = (self.lifted(elapsed_s), frame.earth());
         let [fall_x, fall_y] = earth.drop_slope(x_m, y_m);
         let height_m = self.height_m + z_m - earth.drop_m(x_m, y_m);

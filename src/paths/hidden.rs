@@ -26,7 +26,7 @@ use glam::DVec3;
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::shadow::visible;
 use crate::motion::pointing::PhaseCentre;
-use crate::scene::Target;
+use crate::scene::{Target, Trajectory};
 use crate::sea::land::Dem;
 
 /// Time between time samples, s: the longest, and the shortest.
@@ -95,7 +95,9 @@ impl Hills {
         let most = (MOST_KEPT / (targets.len() * antennas).max(1)).max(2);
         let knots = |target: &Target| {
             let [east, north, _] = target.velocity.to_array();
-            let apart_s = (0.5 * facet_m / east.hypot(north)).clamp(SHORTEST_S, APART_S);
+            let fastest_mps = target.trajectory.as_ref().map(Trajectory::fastest_mps);
+            let level_mps = fastest_mps.unwrap_or_else(|| east.hypot(north));
+            let apart_s = (0.5 * facet_m / level_mps).clamp(SHORTEST_S, APART_S);
             // At most MOST_KEPT: the cast is exact.
             let count = (last_s / apart_s + 3.0).clamp(2.0, most as f64) as usize;
             let weights = std::iter::repeat_with(OnceLock::new).take(count * antennas).collect();

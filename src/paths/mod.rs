@@ -299,7 +299,7 @@ impl PathGenerator {
             .collect();
         let leads = radar.window_leads();
         let plans = pair_plans(radar, &pairs, leads.len(), &channel_pairs);
-        let fastest_target_mps = scene.targets.iter().map(|t| t.velocity.norm()).fold(0.0, f64::max);
+        let fastest_target_mps = scene.targets.iter().map(Target::fastest_mps).fold(0.0, f64::max);
         let mut built = Self {
             frame: scene.frame,
             start: scene.start,

@@ -16,6 +16,9 @@ use crate::scene::{Patch, Target};
 /// Draws of all targets of which the largest is looked for, not bounded.
 const MOST_DRAWS: u64 = 1 << 18;
 
+/// What cubics leave of a point that turns, over what they leave where they begin elsewhere.
+const TURNING: f64 = 1.5;
+
 impl PathGenerator {
     /// Power of points in the channels of a pair, each by its own share, and the sum of powers and delay
     /// rates.
@@ -197,15 +200,22 @@ impl PathGenerator {
         (0..).zip(&self.targets).map(of).collect()
     }
 
-    /// Whether waves move the target or the ship of a point.
-    pub fn is_lifted(&self, point: usize) -> bool {
+    /// What may be left of a point in a run over what was found where some of it was looked at, of points
+    /// that waves move: `unseen`; of those that turn at least [`TURNING`].
+    pub fn left_unseen(&self, point: usize, unseen: f64) -> f64 {
+        let of = |waves: bool, turns: bool| {
+            let least = if turns { TURNING } else { 1.0 };
+            if waves || turns { unseen.max(least) } else { 1.0 }
+        };
         let first_panel = self.target_count();
         if point >= first_panel {
-            return self.ships.is_moved(point - first_panel);
+            let [waves, turns] = self.ships.is_moved(point - first_panel);
+            return of(waves, turns);
         }
         let image = point.checked_sub(self.targets.len()).and_then(|n| self.images.get(n));
         let target = image.map_or(point, |image| image.target);
-        self.heaves.get(target).is_some_and(Option::is_some)
+        let turns = self.targets.get(target).is_some_and(|target| target.trajectory.is_some());
+        of(self.heaves.get(target).is_some_and(Option::is_some), turns)
     }
 
     /// What multiplies the steady amplitudes of [`Self::points`] at a pulse, `[point][pair]`; with

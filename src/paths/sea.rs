@@ -157,7 +157,14 @@ pub(super) fn patch_at(
 
 /// A bound on the height of ships' waves: every wave at its crest, m.
 fn crest_m(wakes: &[Wake]) -> f64 {
-    wakes.iter().flat_map(Wake::nodes).map(|node| node.amplitude_m.norm()).sum()
+    let of_wake = |wake: &Wake| wake.nodes().iter().map(|node| node.amplitude_m.norm()).sum::<f64>();
+    // Legs of a ship follow each other; their windows add up to 1.
+    let follows = |a: &Wake, b: &Wake| match (a.leg(), b.leg()) {
+        (Some(a), Some(b)) => a.end_s.is_some() && a.end_s == b.begin_s,
+        _ => false,
+    };
+    let highest = |ship: &[Wake]| ship.iter().map(of_wake).fold(0.0, f64::max);
+    wakes.chunk_by(follows).map(highest).sum()
 }
 
 impl SeaWork {

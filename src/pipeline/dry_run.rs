@@ -34,6 +34,7 @@ use crate::pipeline::fault::PulseError;
 use crate::pipeline::power::{least_mean, mean_of, power, powers};
 use crate::pulse::Samples;
 use crate::radar::waveform::Waveform;
+use crate::scene::front_end::FrontEnd;
 use crate::scene::{Radar, Scene};
 
 /// Facets times pairs times pulses that are made, at most: some 0.15 s of one core.
@@ -227,7 +228,8 @@ impl<'a> Trial<'a> {
         chosen: Chosen,
         exact: &Plan,
     ) -> Result<Option<Self>, BuildErrors> {
-        let radar = Radar { noise_figure_db: None, adc: None, ..scene.radar.clone() };
+        let radar =
+            Radar { noise_figure_db: None, adc: None, front_end: FrontEnd::default(), ..scene.radar.clone() };
         let (samples, means) = (Vec::new(), Vec::new());
         let own = exact.prediction.echo.gridding;
         let mut trial =

@@ -5,8 +5,8 @@
 //! sails with the ship: height above the mean sea `-down`, velocity that of the ship. Its name is
 //! `<ship>.<scatterer>`, its echo that of a sphere of the radar cross section in the file, whatever the
 //! length to which the hull is scaled. Limits: scatterers neither heave, roll nor pitch, nothing hides
-//! them, and like every target they sail straight on, off the sea of a curved earth (by 0.8 m after 3.2
-//! km).
+//! them, and those of a ship without a track sail straight on, off the sea of a curved earth (by 0.8 m
+//! after 3.2 km).
 //!
 //! ```
 //! use nereus::pipeline::hull_scatterers::{place, Scatters};
@@ -23,7 +23,8 @@ use crate::frames::{Body, Enu, Point, SceneFrame, Vector};
 use crate::pulse::Pulse;
 use crate::scene::hull::Hull;
 use crate::scene::mesh::{self, MeshError};
-use crate::scene::ship::ShipMotion;
+use crate::scene::ship::{Sailed, ShipMotion};
+use crate::scene::trajectory::{Knot, Trajectory};
 use crate::scene::{Scene, Ship, Target};
 use crate::sea::fleet::{self, FleetError, FleetErrors, ShipError};
 use crate::sea::wake::Course;
@@ -49,19 +50,58 @@ pub fn place(frame: &SceneFrame, ship: &Scatters, point: Point<Body>) -> Point<E
     frame.above_sea(x_m, y_m, -down_m)
 }
 
+/// Knots of a carried point in a segment of a ship's trajectory.
+const KNOTS_A_SEGMENT: u32 = 4;
+
+/// Where a point of a ship on a trajectory goes: its turns carry the point about midship.
+fn carried(frame: &SceneFrame, ship: &Ship, way: &Trajectory, point: Point<Body>) -> Trajectory {
+    let [forward_m, starboard_m, down_m] = point.to_array();
+    let ahead = [ship.heading_rad.cos(), ship.heading_rad.sin()];
+    let at = |time_s: f64| {
+        let Sailed { position_m, velocity_mps, ahead: [cos, sin], turn_radps } =
+            Sailed::on(way, time_s, ahead);
+        let arm = [forward_m * cos + starboard_m * sin, forward_m * sin - starboard_m * cos];
+        let place = [position_m[0] + arm[0], position_m[1] + arm[1]];
+        let velocity = [velocity_mps[0] - turn_radps * arm[1], velocity_mps[1] + turn_radps * arm[0]];
+        let fall = frame.earth().drop_slope(place[0], place[1]);
+        let sinks_mps = fall[0] * velocity[0] + fall[1] * velocity[1];
+        let position = frame.above_sea(place[0], place[1], -down_m);
+        (position, Vector::<Enu>::new(velocity[0], velocity[1], -sinks_mps))
+    };
+    let [first_s, last_s] = way.span_s();
+    let knot = |(time_s, step_s): (f64, f64)| {
+        let (position, velocity) = at(time_s);
+        // The rate of turn changes as the jerk does: from the velocities beside it.
+        let [before_s, after_s] = [(time_s - step_s).max(first_s), (time_s + step_s).min(last_s)];
+        let acceleration = (at(after_s).1 - at(before_s).1) * (after_s - before_s).recip();
+        Knot { time_s, position, velocity, acceleration }
+    };
+    let of_segment = |pair: &[Knot]| {
+        let (from_s, step_s) =
+            (pair[0].time_s, (pair[1].time_s - pair[0].time_s) / f64::from(KNOTS_A_SEGMENT));
+        (0..KNOTS_A_SEGMENT).map(move |n| (from_s + step_s * f64::from(n), 1e-3 * step_s)).collect::<Vec<_>>()
+    };
+    let times =
+        way.knots().windows(2).flat_map(of_segment).chain([(last_s, 1e-3 * (last_s - first_s).min(1.0))]);
+    Trajectory::new(times.map(knot).collect()).unwrap_or_else(|| way.clone())
+}
+
 /// Where the ships of a scene sail: the truth that a recording has of them.
 #[derive(Clone, Debug)]
 pub struct ShipTracks {
     frame: SceneFrame,
     start: TimeTag,
     courses: Vec<Course>,
+    /// Of those that do not sail straight on.
+    trajectories: Vec<Option<Trajectory>>,
 }
 
 impl ShipTracks {
     /// Those of a scene.
     pub fn of(scene: &Scene) -> Self {
         let courses = scene.ships.iter().map(fleet::course).collect();
-        Self { frame: scene.frame, start: scene.start, courses }
+        let trajectories = scene.ships.iter().map(|ship| ship.trajectory.clone()).collect();
+        Self { frame: scene.frame, start: scene.start, courses, trajectories }
     }
 
     /// Writes position, velocity and heading of every ship at the emission of a pulse into its record.
@@ -69,15 +109,22 @@ impl ShipTracks {
         let time_s = pulse.time.since(self.start);
         let slots = pulse.ship_position_m.iter_mut().zip(&mut pulse.ship_velocity_mps);
         let slots = slots.zip(&mut pulse.ship_heading_deg);
-        for (course, ((position_m, velocity_mps), heading_deg)) in self.courses.iter().zip(slots) {
-            let pose = course.pose(time_s);
-            let [x_m, y_m] = pose.position_m;
-            let [vx, vy] = pose.ahead.map(|component| component * course.speed_mps);
+        let ways = self.courses.iter().zip(&self.trajectories);
+        for ((course, trajectory), ((position_m, velocity_mps), heading_deg)) in ways.zip(slots) {
+            let straight = || {
+                let pose = course.pose(time_s);
+                let velocity_mps = pose.ahead.map(|component| component * course.speed_mps);
+                (pose.position_m, velocity_mps, course.heading_rad(time_s))
+            };
+            let ([x_m, y_m], [vx, vy], heading_rad) = trajectory.as_ref().map_or_else(straight, |way| {
+                let now = Sailed::on(way, time_s, course.pose(0.0).ahead);
+                (now.position_m, now.velocity_mps, now.ahead[1].atan2(now.ahead[0]))
+            });
             // On a curved earth the sea falls away beneath the ship.
             let fall = self.frame.earth().drop_slope(x_m, y_m);
             *position_m = self.frame.above_sea(x_m, y_m, 0.0).to_array();
             *velocity_mps = [vx, vy, -(fall[0] * vx + fall[1] * vy)];
-            *heading_deg = (90.0 - course.heading_rad(time_s).to_degrees()).rem_euclid(360.0);
+            *heading_deg = (90.0 - heading_rad.to_degrees()).rem_euclid(360.0);
         }
     }
 }
@@ -138,7 +185,9 @@ fn targets(
         }
         let velocity = Vector::new(speed_mps * cos, speed_mps * sin, 0.0);
         let scattering = Target::sphere(scatterer.rcs_m2);
-        found.push(Target::new(name, place(frame, &at, scatterer.position), velocity, scattering));
+        let way = ship.trajectory.as_ref().map(|way| carried(frame, ship, way, scatterer.position));
+        let position = place(frame, &at, scatterer.position);
+        found.push(Target { trajectory: way, ..Target::new(name, position, velocity, scattering) });
     }
     Ok(found)
 }
@@ -155,7 +204,7 @@ mod tests {
         let frame = SceneFrame::plain(Earth::Curved { radius_factor: 1.0 });
         let start = TimeTag::new(1_000_000, 0.25);
         let course = Course::straight([40e3, -20e3], 2.0, 10.0);
-        let tracks = ShipTracks { frame, start, courses: vec![course] };
+        let tracks = ShipTracks { frame, start, courses: vec![course], trajectories: vec![None] };
         let mut pulse = Pulse::new(&Layout { channels: 1, samples: 1, ships: 1, ..Layout::default() });
         let mut at = |time_s: f64| {
             pulse.time = start.plus(time_s);

@@ -151,7 +151,7 @@ fn targets(prepared: &Prepared) -> Result<Option<String>, BuildErrors> {
         let ends: Vec<([Point<Enu>; 2], f64)> = ends.collect();
         let since_s = at.time.since(scene.start);
         for (target, nearest) in scene.targets.iter().zip(&mut nearest) {
-            let place = target.position + target.velocity * since_s;
+            let (place, _) = target.at(since_s);
             for (ends, opens_s) in &ends {
                 let opens_s = *opens_s;
                 let path_m: f64 = ends.iter().map(|end| (*end - place).norm()).sum();

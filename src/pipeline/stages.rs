@@ -34,6 +34,7 @@ use crate::radar::calibration::{CalibrationFault, Generators};
 use crate::radar::clock::RunningClocks;
 use crate::radar::dechirp::Dechirp;
 use crate::radar::fault::RadarError;
+use crate::radar::front_end::FrontEnd;
 use crate::radar::receiver::Receiver;
 use crate::radar::waveform::Waveform;
 use crate::scene::calibration::Calibration;
@@ -111,7 +112,9 @@ impl PulseFactory {
         generator: PathGenerator,
         waveform: Arc<dyn Waveform>,
     ) -> Self {
+        let front_end = FrontEnd::new(radar, scene.seed, waveform.duration_s());
         let receiver = Receiver::new(radar, scene.seed, echo.fft_len(), radar.channels.len());
+        let receiver = receiver.with_front_end(front_end);
         let layout = radar.layout(scene.platforms.len(), scene.targets.len());
         Self {
             generator,
@@ -144,7 +147,8 @@ impl PulseFactory {
         let Some(dechirp) = Dechirp::new(radar, front_end, self.echo.fft_len(), waveform) else {
             return self;
         };
-        let receiver = Receiver::new(radar, scene.seed, dechirp.fft_len(), radar.channels.len());
+        let ideal = Receiver::new(radar, scene.seed, dechirp.fft_len(), radar.channels.len());
+        let receiver = ideal.with_front_end(FrontEnd::new(radar, scene.seed, self.waveform.duration_s()));
         let layout = Layout { samples: radar.window.samples, ..self.layout };
         let reception = Reception { receiver, dechirp: Some(dechirp), ..self.reception };
         Self { reception, layout, sample_rate_hz: radar.sample_rate_hz, ..self }

@@ -6,6 +6,7 @@ pub mod clock;
 pub mod dechirp;
 pub mod fault;
 pub mod filter;
+pub mod front_end;
 pub mod link;
 pub mod pattern;
 pub mod polarisation;

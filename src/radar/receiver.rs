@@ -16,6 +16,8 @@
 //! either end those of the next block, pass the filter, `S[k] += H(f_k) sqrt(k T0 F / (2 fs)) W[k]` with `W`
 //! their transform.
 //!
+//! Between the two stands the [`front_end`](super::front_end), where it is not ideal.
+//!
 //! Converter. Mid-rise, I and Q apart, saturating: with `b` bits and full scale `A` the step is
 //! `D = 2A/2^b`, the code `i = floor(x/D)` held in `[-2^(b-1), 2^(b-1) - 1]`, its value `(i + 1/2) D`.
 //!
@@ -27,6 +29,7 @@
 //! assert!((noise.0 + 126.19).abs() < 0.01);
 //! ```
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nereus_fft::Fft;
@@ -35,6 +38,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::clock::ChannelClock;
 use super::filter::{ReceiveFilter, bin_frequency_hz};
+use super::front_end::FrontEnd;
 use super::waveform::Waveform;
 use super::window::GUARD_SAMPLES;
 use crate::pulse::converter::Level;
@@ -62,6 +66,7 @@ pub struct Receiver {
     /// `(bin, H sqrt(k T0 F N / (2 fs)))` where the filter passes anything; empty without noise.
     noise_bins: Vec<(usize, f64)>,
     adc: Option<Adc>,
+    front_end: Option<FrontEnd>,
     transform: Arc<dyn Fft<f64>>,
     /// Of blocks whose noise goes on from one to the next.
     unbroken: Option<Arc<dyn Fft<f64>>>,
@@ -73,6 +78,8 @@ pub struct ReceiverScratch {
     transform: Vec<Complex64>,
     /// White samples of a block and of its neighbours; empty where noise is drawn bin by bin.
     white: Vec<Complex64>,
+    /// Derivatives of the samples; empty without jitter.
+    derivatives: Vec<Complex64>,
     /// By channel; empty without a converter.
     levels: Vec<Level>,
 }
@@ -112,9 +119,15 @@ impl Receiver {
             noise_variance_w: per_hz.unwrap_or(0.0) * filter.noise_bandwidth_hz(),
             noise_bins,
             adc: radar.adc,
+            front_end: None,
             transform: nereus_fft::inverse(fft_len),
             unbroken: radar.sent.as_ref().map(|_| nereus_fft::forward(fft_len)),
         }
+    }
+
+    /// The same with a front end that is not ideal, if it is not.
+    pub fn with_front_end(self, front_end: Option<FrontEnd>) -> Self {
+        Self { front_end, ..self }
     }
 
     /// The same for pulses that have more channels, which something else fills.
@@ -192,6 +205,10 @@ impl Receiver {
         ReceiverScratch {
             transform: vec![Complex64::ZERO; transform],
             white: vec![Complex64::ZERO; forward.map_or(0, |forward| forward.len())],
+            derivatives: match self.front_end.as_ref().is_some_and(FrontEnd::jitters) {
+                true => vec![Complex64::ZERO; self.transform.len()],
+                false => Vec::new(),
+            },
             levels: vec![Level::default(); levels],
         }
     }
@@ -248,9 +265,23 @@ impl Receiver {
                 clock.delay(bins, |k| bin_frequency_hz(k, fft_len, self.sample_rate_hz));
             }
             self.add_noise(pulse.index, channel, bins, scratch);
-            self.transform.process_with_scratch(bins, &mut scratch.transform);
+            let ReceiverScratch { transform, derivatives, .. } = scratch;
+            for (k, (derivative, bin)) in derivatives.iter_mut().zip(bins.iter()).enumerate() {
+                *derivative =
+                    bin * Complex64::new(0.0, TAU * bin_frequency_hz(k, fft_len, self.sample_rate_hz));
+            }
+            self.transform.process_with_scratch(bins, transform);
+            if !derivatives.is_empty() {
+                self.transform.process_with_scratch(derivatives, transform);
+            }
+            let taken = self.window_samples;
             if let Some(clock) = clocks.get(channel) {
-                clock.turn(&mut bins[..self.window_samples]);
+                clock.turn(&mut bins[..taken]);
+                let many = taken.min(derivatives.len());
+                clock.turn(&mut derivatives[..many]);
+            }
+            if let Some(front_end) = &self.front_end {
+                front_end.apply(pulse, channel, scale, &mut bins[..taken], derivatives);
             }
             let window = channel * self.window_samples..(channel + 1) * self.window_samples;
             match (&mut pulse.samples, &self.adc) {

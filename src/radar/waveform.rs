@@ -31,6 +31,7 @@
 //! ```
 
 mod coded;
+mod drooping;
 mod fresnel;
 mod gridded;
 mod lfm;
@@ -56,6 +57,7 @@ use crate::scene;
 use crate::scene::radar::Source;
 
 pub use coded::Coded;
+pub use drooping::Drooping;
 pub use lfm::Lfm;
 pub use nlfm::{MAX_NONLINEAR, MIN_NONLINEAR, Nlfm, SIDELOBES_DB};
 pub use noise::Noise;
@@ -148,6 +150,9 @@ pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn 
         }
         scene::radar::Waveform::Nlfm { bandwidth_hz, duration_s, sweep, taper } => {
             Arc::new(Nlfm::new(*bandwidth_hz, *duration_s, *sweep, *taper)?)
+        }
+        scene::radar::Waveform::Drooping { of, droop_db } => {
+            Arc::new(Drooping::new(from_description(of)?, *droop_db))
         }
         scene::radar::Waveform::Cw { duration_s } => Arc::new(Coded::plain(*duration_s)?),
         scene::radar::Waveform::PhaseCode { code, chip_s } => Arc::new(Coded::new(*code, *chip_s)?),

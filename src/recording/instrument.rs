@@ -315,7 +315,7 @@ const ISOTROPIC: &str = "isotropic";
 
 impl WaveformRow {
     fn of(waveform: &Waveform) -> Self {
-        let (sweep_hz_per_s, rate_hz) = match waveform {
+        let (sweep_hz_per_s, rate_hz) = match waveform.level() {
             Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
                 let sign = if *sweep == Sweep::Up { 1.0 } else { -1.0 };
                 (Some(sign * bandwidth_hz / duration_s), None)

@@ -91,7 +91,7 @@ pub fn write(
         ("window_start_s", Attribute::Real(pulse.window_start_s)),
         ("samples", Attribute::Whole(radar.window.samples as u64)),
     ];
-    match &radar.waveform {
+    match radar.waveform.level() {
         Waveform::Lfm { bandwidth_hz, duration_s, sweep } => attributes.extend([
             ("waveform", Attribute::Text("lfm")),
             ("bandwidth_hz", Attribute::Real(*bandwidth_hz)),

@@ -1,8 +1,9 @@
 //! Point targets at an instant.
 //!
-//! A target keeps a straight course, `x(t) = x_0 + v t` with `t` from the emission of pulse 0, and
-//! scatters the same in every direction: its matrix `S[p][q]` (p received, q transmitted, order (v, h),
-//! sqrt(m^2)) holds in the forward-scatter bases of [`crate::geometry::bistatic`].
+//! A target keeps a straight course, `x(t) = x_0 + v t` with `t` from the emission of pulse 0, or follows a
+//! [trajectory](crate::scene::trajectory). It scatters the same in every direction: its matrix `S[p][q]` (p
+//! received, q transmitted, order (v, h), sqrt(m^2)) holds in the forward-scatter bases of
+//! [`crate::geometry::bistatic`]. While a pulse is on its way it moves straight on.
 //!
 //! ```
 //! use nereus::frames::{Point, Vector};
@@ -53,11 +54,8 @@ pub struct Scatterer<'a> {
 impl<'a> Scatterer<'a> {
     /// A target `elapsed_s` seconds after the emission of pulse 0.
     pub fn at(target: &'a Target, elapsed_s: f64) -> Self {
-        Self {
-            position: target.position + target.velocity * elapsed_s,
-            velocity: target.velocity,
-            matrix: &target.scattering,
-        }
+        let (position, velocity) = target.at(elapsed_s);
+        Self { position, velocity, matrix: &target.scattering }
     }
 }
 

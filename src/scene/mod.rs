@@ -2,6 +2,9 @@
 
 pub mod calibration;
 pub mod clock;
+pub mod front_end;
+#[doc(hidden)]
+pub mod hermite;
 pub mod hull;
 pub mod land;
 pub mod mesh;
@@ -10,6 +13,7 @@ pub mod radar;
 pub mod sea;
 pub mod ship;
 pub mod target;
+pub mod trajectory;
 pub mod water;
 
 use crate::frames::SceneFrame;
@@ -22,6 +26,7 @@ pub use radar::{Emitter, Radar};
 pub use sea::Sea;
 pub use ship::Ship;
 pub use target::Target;
+pub use trajectory::Trajectory;
 pub use water::Water;
 
 /// Everything that a run emulates. Where platforms go is not here: tracks come from `nav`, under the

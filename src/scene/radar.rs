@@ -5,6 +5,7 @@ mod waveform;
 
 use std::path::PathBuf;
 
+use super::front_end::FrontEnd;
 use crate::frames::{Body, Vector};
 use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
@@ -44,6 +45,8 @@ pub struct Radar {
     pub noise_figure_db: Option<f64>,
     /// Analogue-to-digital converter; `None` for floating-point samples.
     pub adc: Option<Adc>,
+    /// What is wrong between echo and converter.
+    pub front_end: FrontEnd,
     /// Whether the direct path from transmitter to receiver is one of the scatterer paths.
     pub direct_path: bool,
     /// Transmitters.
@@ -81,6 +84,7 @@ impl Radar {
             rain_clutter: None,
             noise_figure_db: None,
             adc: None,
+            front_end: FrontEnd::default(),
             direct_path: false,
             transmitters: Vec::new(),
             receivers: Vec::new(),

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::Trajectory;
 use super::mesh::Triangle;
 
 /// A ship under way.
@@ -18,8 +19,10 @@ pub struct Ship {
     pub position_m: [f64; 2],
     /// Direction it heads for, from +x counter-clockwise, radians.
     pub heading_rad: f64,
-    /// Speed through the water, m/s.
+    /// Speed through the water, m/s; of one on a trajectory this and what is above are those at pulse 0.
     pub speed_mps: f64,
+    /// How it moves, where it does not sail straight on; only East and North count.
+    pub trajectory: Option<Trajectory>,
     /// Its gravity waves; `None` for none.
     pub kelvin: Option<KelvinWake>,
     /// Its turbulent wake; `None` for none.
@@ -30,6 +33,44 @@ pub struct Ship {
     pub mesh: ShipMesh,
     /// Triangles that echo, in the axes of [`super::mesh`]; empty until they are made, and without echo.
     pub panels: Arc<[Triangle]>,
+}
+
+/// A ship on a trajectory at an instant: it heads along its velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sailed {
+    /// Midship, East and North, m.
+    pub position_m: [f64; 2],
+    /// Velocity East and North, m/s.
+    pub velocity_mps: [f64; 2],
+    /// Unit vector ahead.
+    pub ahead: [f64; 2],
+    /// Rate of turn to port, rad/s.
+    pub turn_radps: f64,
+}
+
+impl Sailed {
+    /// On a trajectory, at a time after pulse 0; one that stands still heads as it is told.
+    pub fn on(trajectory: &Trajectory, elapsed_s: f64, otherwise: [f64; 2]) -> Self {
+        let now = trajectory.at(elapsed_s);
+        let ([x_m, y_m, _], [vx, vy, _]) = (now.position.to_array(), now.velocity.to_array());
+        let ([ax, ay, _], speed_mps) = (now.acceleration.to_array(), vx.hypot(vy));
+        let (position_m, velocity_mps) = ([x_m, y_m], [vx, vy]);
+        if speed_mps == 0.0 {
+            return Self { position_m, velocity_mps, ahead: otherwise, turn_radps: 0.0 };
+        }
+        let turn_radps = (vx * ay - vy * ax) / (speed_mps * speed_mps);
+        Self { position_m, velocity_mps, ahead: [vx / speed_mps, vy / speed_mps], turn_radps }
+    }
+}
+
+/// The fastest turn of a ship on a trajectory, rad/s: of 16 instants of every segment.
+pub fn fastest_turn_radps(trajectory: &Trajectory) -> f64 {
+    let turn = |time_s: f64| Sailed::on(trajectory, time_s, [1.0, 0.0]).turn_radps.abs();
+    let of_segment = |pair: &[super::trajectory::Knot]| {
+        let step_s = (pair[1].time_s - pair[0].time_s) / 16.0;
+        (0..=16).map(|n| turn(pair[0].time_s + step_s * f64::from(n))).fold(0.0, f64::max)
+    };
+    trajectory.knots().windows(2).map(of_segment).fold(0.0, f64::max)
 }
 
 /// The mesh by which a ship echoes.

@@ -4,17 +4,20 @@ use std::path::PathBuf;
 
 use num_complex::Complex64;
 
+use super::Trajectory;
 use crate::frames::{Enu, Point, Vector};
 
-/// A point target on a straight course.
+/// A point target on a straight course, or on a trajectory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// Name, unique in a scene.
     pub name: String,
     /// Position at the emission of pulse 0.
     pub position: Point<Enu>,
-    /// Velocity, m/s, constant.
+    /// Velocity, m/s, at pulse 0; constant without a trajectory.
     pub velocity: Vector<Enu>,
+    /// How it moves, where it does not go straight on.
+    pub trajectory: Option<Trajectory>,
     /// Scattering matrix `S[p][q]`, sqrt(m^2), p received, q transmitted, order (v, h), in the
     /// forward-scatter alignment of [`crate::geometry::bistatic`]: `|S_pq|^2` is the radar cross section.
     pub scattering: [[Complex64; 2]; 2],
@@ -41,8 +44,8 @@ pub struct Aspect {
     /// File of monostatic cross sections, dBsm, over azimuth from the bow, positive to starboard, and
     /// elevation.
     pub path: PathBuf,
-    /// Heading, clockwise from North, rad.
-    pub heading_rad: f64,
+    /// Heading, clockwise from North, rad; `None`: along the velocity of the moment.
+    pub heading_rad: Option<f64>,
     /// What holds outside the grid of the file, dBsm.
     pub floor_dbsm: f64,
 }
@@ -92,6 +95,22 @@ impl Swerling {
 }
 
 impl Target {
+    /// Position and velocity at a time after pulse 0.
+    pub fn at(&self, elapsed_s: f64) -> (Point<Enu>, Vector<Enu>) {
+        match &self.trajectory {
+            None => (self.position + self.velocity * elapsed_s, self.velocity),
+            Some(trajectory) => {
+                let now = trajectory.at(elapsed_s);
+                (now.position, now.velocity)
+            }
+        }
+    }
+
+    /// A bound on its speed, m/s.
+    pub fn fastest_mps(&self) -> f64 {
+        self.trajectory.as_ref().map_or_else(|| self.velocity.norm(), Trajectory::fastest_mps)
+    }
+
     /// A target whose radar cross section is constant.
     pub fn new(
         name: impl Into<String>,
@@ -103,6 +122,7 @@ impl Target {
             name: name.into(),
             position,
             velocity,
+            trajectory: None,
             scattering,
             swerling: Swerling::Steady,
             aspect: None,

@@ -21,6 +21,7 @@
 //!     turbulent: Some(TurbulentWake::default()),
 //!     echo: false,
 //!     mesh: Default::default(),
+//!     trajectory: None,
 //!     panels: Default::default(),
 //! };
 //! let patch = Patch::new([256.0, 128.0], 2.0, [0.0, 0.0])?;
@@ -32,12 +33,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::surface::{Fields, Selection};
+use super::wake::course::Pose;
 use super::wake::kochin::{Kochin, KochinError, LEAST_SPEED_MPS, Transom};
+use super::wake::leg::{Leg, legs};
 use super::wake::map;
-use super::wake::{Course, Reach, Settings, ShortWaves, TurbulentStrip, Wake, WakeError};
+use super::wake::{Course, Reach, Settings, ShortWaves, TrackLine, TurbulentStrip, Wake, WakeError};
 use crate::scene::hull::{Hull, HullError, Particulars};
 use crate::scene::mesh::{self, MeshError, Triangle};
 use crate::scene::ship::{HullForm, HullGiven, KelvinWake, ShipMesh, ShipMotion, UpAxis};
@@ -51,6 +56,9 @@ const FADE_LENGTHS: [f64; 2] = [30.0, 40.0];
 /// Error of [`Fleet::waves`] over the root sum square of the waves, dB: below half a unit of an f32.
 const MAP_ERROR_DB: f64 = -150.0;
 
+/// How long a patch is looked at after it was at a place, as far as legs care, s.
+const MOST_HELD_S: f64 = 60.0;
+
 /// A turbulent wake under way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
@@ -58,8 +66,41 @@ pub struct Strip {
     pub strip: TurbulentStrip,
     /// Where its ship goes.
     pub course: Course,
+    /// The track on which it lies, where that is not straight.
+    pub track: Option<Arc<TrackLine>>,
     /// Wind that raises the short waves within, over the wind outside.
     pub wind_ratio: f64,
+}
+
+impl Strip {
+    /// Its ship at a time, s.
+    pub fn pose(&self, time_s: f64) -> Pose {
+        let pose = self.course.pose(time_s);
+        self.track.as_ref().map_or(pose, |track| Pose { run_m: track.run_m(time_s), ..pose })
+    }
+
+    /// Share of the water at a place that it covers, with its ship at a pose.
+    pub fn cover(&self, place_m: [f64; 2], pose: &Pose) -> f64 {
+        match &self.track {
+            None => self.strip.cover(pose.astern_starboard_m(place_m)),
+            Some(track) => track.cover(&self.strip, place_m, pose.run_m),
+        }
+    }
+
+    /// Whether it may cover any place in a rectangle (least and largest x, and y).
+    pub fn is_near(&self, bounds_m: [[f64; 2]; 2], pose: &Pose) -> bool {
+        if let Some(track) = &self.track {
+            return track.is_near(&self.strip, bounds_m, pose.run_m);
+        }
+        let [[x0, x1], [y0, y1]] = bounds_m;
+        let corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]];
+        let places = corners.map(|corner| pose.astern_starboard_m(corner));
+        let furthest_m = places.iter().fold(f64::NEG_INFINITY, |most, place| most.max(place[0]));
+        let least = places.iter().fold(f64::INFINITY, |least, place| least.min(place[1]));
+        let most = places.iter().fold(f64::NEG_INFINITY, |most, place| most.max(place[1]));
+        let aside_m = self.strip.reach_aside_m(furthest_m);
+        aside_m > 0.0 && least < aside_m && most > -aside_m
+    }
 }
 
 /// Ships under way.
@@ -254,44 +295,89 @@ impl Fleet {
         held_s: f64,
     ) -> Result<(), ShipError> {
         let (hull, course) = (hull(ship)?, course(ship));
-        let kochin = Kochin::new(&hull, ship.speed_mps, Transom::Open)?;
-        if let (Some(kelvin), Some(&(_, Patch { facet_m, .. }))) = (&ship.kelvin, patches.first()) {
-            let mut reach = Reach { along_m: 0.0, across_m: 0.0 };
-            let fade_m = FADE_LENGTHS.map(|lengths| lengths * hull.length_m());
-            let moves = patches.iter().any(|(_, patch)| patch.first != patches[0].1.first);
-            for (index, &(time_s, ref patch)) in patches.iter().enumerate() {
-                // A patch that moves strays no further than its speed allows until half-way to the next
-                // place, and waves are only asked for within the wake's end and the patch that touches it.
-                let [x_m, y_m] = patch.size_m();
-                let (end_m, patch_m) = (fade_m[1] + 0.5 * hull.length_m(), x_m.hypot(y_m));
-                let most = Reach {
-                    along_m: end_m + patch_m,
-                    across_m: map::SIDE * fade_m[1] + end_m - fade_m[1] + patch_m,
-                };
-                let half_s = if moves { half_gap_s(patches, index) + held_s } else { 0.0 };
-                let Reach { along_m, across_m } =
-                    Reach::of(patch, &course, [time_s - half_s, time_s + half_s])?;
-                // Places are whole facets.
-                let stray_m = if moves { patch_mps * half_s + 2.0 * facet_m } else { 0.0 };
-                reach.along_m = reach.along_m.max((along_m + stray_m).min(most.along_m));
-                reach.across_m = reach.across_m.max((across_m + stray_m).min(most.across_m));
+        let places = Places { patches, patch_mps, held_s };
+        match (&ship.kelvin, &ship.trajectory) {
+            (None, _) => {
+                // Faults of its speed are found all the same.
+                Kochin::new(&hull, ship.speed_mps, Transom::Open)?;
             }
-            let settings = Settings {
-                cutoff_rad_m: kelvin.band_limit_radpm,
-                fade_m: Some(fade_m),
-                ..Settings::new(facet_m, reach)
-            };
-            let amplitude_m = |tan_theta| kochin.amplitude_m(tan_theta);
-            self.wakes.push(Wake::new(course, hull.length_m(), &settings, amplitude_m)?);
+            (Some(kelvin), None) => {
+                let leg = Leg { course, window: None };
+                self.wakes.extend(places.wake(&hull, kelvin, &leg)?);
+            }
+            (Some(kelvin), Some(way)) => {
+                for leg in legs(way) {
+                    if places.see(&hull, &leg) {
+                        self.wakes.extend(places.wake(&hull, kelvin, &leg)?);
+                    }
+                }
+            }
         }
         // A ship at rest stirs nothing behind it.
         if let Some(turbulent) = ship.turbulent.as_ref().filter(|_| ship.speed_mps >= LEAST_SPEED_MPS) {
             let decay_m = turbulent.decay_lengths * hull.length_m();
             let strip =
                 TurbulentStrip::with(hull.length_m(), hull.beam_m(), turbulent.spread_exponent, decay_m)?;
-            self.strips.push(Strip { strip, course, wind_ratio: turbulent.wind_ratio });
+            let track = ship.trajectory.as_ref().map(|way| Arc::new(TrackLine::new(way)));
+            self.strips.push(Strip { strip, course, track, wind_ratio: turbulent.wind_ratio });
         }
         Ok(())
+    }
+}
+
+/// Where a patch lies at some times, and how it moves in between.
+struct Places<'a> {
+    patches: &'a [(f64, Patch)],
+    patch_mps: f64,
+    held_s: f64,
+}
+
+impl Places<'_> {
+    /// Whether there are waves of a leg at any of these times.
+    fn see(&self, hull: &Hull, leg: &Leg) -> bool {
+        let (Some(first), Some(last)) = (self.patches.first(), self.patches.last()) else { return false };
+        let Some(window) = leg.window else { return true };
+        let end_m = FADE_LENGTHS[1] * hull.length_m();
+        let slack_s = self.held_s.min(MOST_HELD_S) + last.0 - first.0;
+        // Its waves drift astern: what is seen at all lies between the ends of the window at both times.
+        let [from_m, _] = window.range_m(first.0 - slack_s, leg.course.speed_mps);
+        let [_, to_m] = window.range_m(last.0 + slack_s, leg.course.speed_mps);
+        from_m < end_m && to_m > -0.5 * hull.length_m()
+    }
+
+    /// The waves of a leg; `None` without any patch.
+    fn wake(&self, hull: &Hull, kelvin: &KelvinWake, leg: &Leg) -> Result<Option<Wake>, ShipError> {
+        let Self { patches, patch_mps, held_s } = *self;
+        let kochin = Kochin::new(hull, leg.course.speed_mps, Transom::Open)?;
+        let Some(&(_, Patch { facet_m, .. })) = patches.first() else { return Ok(None) };
+        let mut reach = Reach { along_m: 0.0, across_m: 0.0 };
+        let fade_m = FADE_LENGTHS.map(|lengths| lengths * hull.length_m());
+        let moves = patches.iter().any(|(_, patch)| patch.first != patches[0].1.first);
+        for (index, &(time_s, ref patch)) in patches.iter().enumerate() {
+            // A patch that moves strays no further than its speed allows until half-way to the next
+            // place, and waves are only asked for within the wake's end and the patch that touches it.
+            let [x_m, y_m] = patch.size_m();
+            let (end_m, patch_m) = (fade_m[1] + 0.5 * hull.length_m(), x_m.hypot(y_m));
+            let most = Reach {
+                along_m: end_m + patch_m,
+                across_m: map::SIDE * fade_m[1] + end_m - fade_m[1] + patch_m,
+            };
+            let half_s = if moves { half_gap_s(patches, index) + held_s } else { 0.0 };
+            let Reach { along_m, across_m } =
+                Reach::of(patch, &leg.course, [time_s - half_s, time_s + half_s])?;
+            // Places are whole facets.
+            let stray_m = if moves { patch_mps * half_s + 2.0 * facet_m } else { 0.0 };
+            reach.along_m = reach.along_m.max((along_m + stray_m).min(most.along_m));
+            reach.across_m = reach.across_m.max((across_m + stray_m).min(most.across_m));
+        }
+        let settings = Settings {
+            cutoff_rad_m: kelvin.band_limit_radpm,
+            fade_m: Some(fade_m),
+            ..Settings::new(facet_m, reach)
+        };
+        let amplitude_m = |tan_theta| kochin.amplitude_m(tan_theta);
+        let wake = Wake::new(leg.course, hull.length_m(), &settings, amplitude_m)?;
+        Ok(Some(wake.of_leg(leg.window)))
     }
 }
 
@@ -321,6 +407,7 @@ mod tests {
             turbulent: Some(TurbulentWake::default()),
             echo: false,
             mesh: Default::default(),
+            trajectory: None,
             panels: Default::default(),
         };
         let patch = |x_m: f64| Patch::new([64.0, 48.0], 2.0, [x_m, 0.0]).unwrap();

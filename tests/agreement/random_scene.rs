@@ -12,6 +12,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::random_ends::{antennas, emitters, more_ends};
+use super::random_turns::turning;
 use super::random_waveforms::{continuous, dechirp, waveform};
 
 pub(super) const LIGHT_MPS: f64 = 299_792_458.0;
@@ -36,6 +37,9 @@ const COARSE: u64 = 0xC0A5E;
 const NARROW: u64 = 0x4A660;
 /// And those of antennas that scan, and tapers.
 const SCAN: u64 = 0x5CA4;
+
+/// And those of targets and ships on tracks.
+const TURNS: u64 = 0x7042;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
@@ -81,7 +85,7 @@ impl Draw {
         of[(self.0.next_u64() % of.len() as u64) as usize]
     }
 
-    fn angle(&mut self) -> f64 {
+    pub(super) fn angle(&mut self) -> f64 {
         self.between(0.0, TAU)
     }
 }
@@ -227,6 +231,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
         [SLOW_TIME, SPECKLE].map(|salt| Draw(ChaCha8Rng::seed_from_u64(seed ^ salt)));
     sea(&mut draw, [&mut slow, &mut speckle], extremes, &mut text);
     on_the_sea(&mut draw, &geometry, &mut text);
+    turning(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ TURNS)), &geometry, &mut text);
     radar(&mut draw, [&mut slow, &mut kinds], (&geometry, &signal, dechirp), &mut text);
     platforms(&mut draw, &geometry, &mut text);
     let mut narrow = Draw(ChaCha8Rng::seed_from_u64(seed ^ NARROW));

@@ -152,6 +152,7 @@ fn launch(position_m: [f64; 2]) -> Ship {
         turbulent: Some(TurbulentWake::default()),
         echo: false,
         mesh: Default::default(),
+        trajectory: None,
         panels: Default::default(),
     }
 }

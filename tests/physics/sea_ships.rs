@@ -32,6 +32,7 @@ fn ship(length_m: f64, speed_mps: f64, position_m: [f64; 2]) -> Ship {
         turbulent: Some(TurbulentWake::default()),
         echo: false,
         mesh: Default::default(),
+        trajectory: None,
         panels: Default::default(),
     }
 }

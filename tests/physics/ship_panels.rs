@@ -35,6 +35,7 @@ fn ship(panels: Vec<Triangle>, position_m: [f64; 2], heading_rad: f64) -> Ship {
         turbulent: None,
         echo: false,
         mesh: Default::default(),
+        trajectory: None,
         panels: panels.into(),
     }
 }

@@ -31,7 +31,7 @@ fn table(step_deg: f64) -> String {
 }
 
 fn aspect(path: &Path, heading_deg: f64) -> Option<Aspect> {
-    Some(Aspect { path: path.to_owned(), heading_rad: heading_deg.to_radians(), floor_dbsm: -300.0 })
+    Some(Aspect { path: path.to_owned(), heading_rad: Some(heading_deg.to_radians()), floor_dbsm: -300.0 })
 }
 
 /// Cross sections that a scene returns, over the law of a sphere of 1 m^2, at some pulses.

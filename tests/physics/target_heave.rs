@@ -81,7 +81,7 @@ fn its_cross_sections_tilt_with_the_surface() {
     };
     let plain = amplitudes(&scene);
     scene.targets[0].aspect =
-        Some(Aspect { path: table.path().to_owned(), heading_rad: 1.1, floor_dbsm: -300.0 });
+        Some(Aspect { path: table.path().to_owned(), heading_rad: Some(1.1), floor_dbsm: -300.0 });
     let tilted = amplitudes(&scene);
     let surface = realise(scene.sea.as_ref().unwrap(), scene.seed).unwrap().surface;
     let (mut off_db, mut level_db) = (0f64, 0f64);

@@ -13,9 +13,11 @@ use crate::config::Run;
 use crate::echo::Fidelity;
 use crate::frames::Earth;
 use crate::radar::filter::ReceiveFilter;
+use crate::radar::front_end::imbalance;
 use crate::radar::rain::{Attenuation, fall_mps, volume_reflectivity_per_m};
 use crate::radar::receiver::thermal_noise_w;
 use crate::scene::Scene;
+use crate::scene::front_end::{FrontEnd, Jitter, Stc};
 use crate::scene::radar::{Aim, RainClutter};
 use crate::units::{Decibels, neat};
 
@@ -114,6 +116,7 @@ pub fn models(run: &Run) -> Models {
         }
         None => without.push(described("thermal noise", "no radar.noise_figure_db")),
     }
+    front_end(&radar.front_end, &mut with, &mut without);
     match radar.adc {
         Some(adc) => with.push(described("ADC", format!("{} bits", adc.bits))),
         None => without.push(described("ADC", "no [radar.adc]: floating-point samples")),
@@ -123,6 +126,38 @@ pub fn models(run: &Run) -> Models {
     ships::models(&run.scene, &mut with, &mut without);
     limits::models(run, &mut without);
     Models { with, without }
+}
+
+/// What is wrong between echo and converter.
+fn front_end(of: &FrontEnd, with: &mut Vec<Described>, without: &mut Vec<Described>) {
+    if of.is_ideal() {
+        let why = "no [radar.front_end]: I and Q alike, no offset, gain control, blanking and jitter";
+        without.push(described("front end errors", why));
+        return;
+    }
+    let mut parts = Vec::new();
+    if of.iq_gain_db != 0.0 || of.iq_phase_rad != 0.0 {
+        let [alpha, beta] = imbalance(of.iq_gain_db, of.iq_phase_rad);
+        let image_db = 20.0 * (beta.norm() / alpha.norm()).log10();
+        parts.push(format!("image of I/Q imbalance at {image_db:.1} dB"));
+    }
+    let offset_w = of.offset[0].powi(2) + of.offset[1].powi(2);
+    if offset_w > 0.0 {
+        parts.push(format!("offset of {:.1} dBW", 10.0 * offset_w.log10()));
+    }
+    if let Some(Stc { full_s, exponent, depth_db }) = of.stc {
+        let full_us = neat(full_s * 1e6);
+        parts
+            .push(format!("sensitivity time control t^{exponent} until {full_us} us, {depth_db} dB at most"));
+    }
+    if let Some(after_s) = of.blanked_s {
+        parts.push(format!("blanked during pulses and {} us after", neat(after_s * 1e6)));
+    }
+    if let Some(Jitter { rms_s, intermediate_hz }) = of.jitter {
+        let met = if intermediate_hz > 0.0 { format!(" at {intermediate_hz:e} Hz") } else { String::new() };
+        parts.push(format!("sampling jitter of {rms_s:e} s rms{met}"));
+    }
+    with.push(described("front end errors", parts.join("; ")));
 }
 
 /// What the curve of the earth hides.

@@ -146,6 +146,9 @@ fn waveform_text(waveform: &Waveform) -> String {
                 _ => "Hamming taper".to_owned(),
             }
         ),
+        Waveform::Drooping { of, droop_db } => {
+            format!("{}, falling by {} dB from its begin to its end", waveform_text(of), neat(*droop_db))
+        }
         Waveform::Cw { duration_s } => format!("plain pulse of {} us", neat(duration_s * 1e6)),
         Waveform::PhaseCode { code, chip_s } => {
             format!("{} code, {} chips of {} us", code.name(), code.chips(), neat(chip_s * 1e6))

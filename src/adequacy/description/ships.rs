@@ -6,6 +6,7 @@ use crate::adequacy::ships::mesh_text;
 use crate::inputs::shown;
 use crate::scene::Scene;
 use crate::scene::ship::{HullGiven, Ship, ShipMotion};
+use crate::sea::wake::leg::legs;
 use crate::units::neat;
 
 /// Below this Froude number real ships make smaller waves than thin ones.
@@ -29,14 +30,19 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
     };
     idle("waves of ships", |ship| ship.kelvin.is_none(), "wake = false", without);
     let smooth = |ship: &Ship| ship.kelvin.is_some_and(|kelvin| !kelvin.short_waves);
-    idle("short waves of ships", smooth, "wake_bragg = false, its default from 6 GHz on", without);
+    idle(
+        "short waves of ships",
+        smooth,
+        "wake_bragg = false, its default from 6 GHz on and on tracks",
+        without,
+    );
     idle("turbulent wakes", |ship| ship.turbulent.is_none(), "turbulent = false", without);
     idle("echo of ships", |ship| !ship.echo, "echo = false", without);
     let level = |ship: &Ship| ship.mesh.motion == ShipMotion::Level;
     idle("heave, roll and pitch of ships", level, "motion = \"level\": they ride level", without);
     without.push(described(
         "ships otherwise",
-        "straight courses; hulls neither break nor reflect waves, and hide the sea behind them only \
+        "hulls neither break nor reflect waves, and hide the sea behind them only \
          where their mesh echoes",
     ));
 }
@@ -57,6 +63,15 @@ fn ship_text(ship: &Ship) -> String {
         ship.name,
         neat(ship.speed_mps)
     );
+    if let Some(way) = &ship.trajectory {
+        let [first_s, last_s] = way.span_s().map(neat);
+        text += &format!(
+            " at pulse 0, on a track of {} knots from {first_s} to {last_s} s after it; {} straight legs make its \
+             waves",
+            way.knots().len(),
+            legs(way).len()
+        );
+    }
     if let Some(kelvin) = &ship.kelvin {
         text += "; Kelvin wake";
         if let Some(limit_radpm) = kelvin.band_limit_radpm {

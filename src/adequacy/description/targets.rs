@@ -7,6 +7,13 @@ use crate::scene::Target;
 
 /// Adds what makes the echo of targets vary.
 pub(super) fn models(targets: &[Target], with: &mut Vec<Described>, without: &mut Vec<Described>) {
+    let tracked = targets.iter().filter(|target| target.trajectory.is_some()).count();
+    if tracked > 0 {
+        with.push(described(
+            "tracks of targets",
+            format!("{tracked} of {} do not go straight on", targets.len()),
+        ));
+    }
     let floating = targets.iter().filter(|target| target.floating.is_some()).count();
     if floating > 0 {
         with.push(described(

@@ -22,6 +22,7 @@ tables! {
         RAIN_TOP_M "rain_top_m", above("m", 0.0, 20e3), default(3000.0), "rain_clutter: height of the rain's top above the sea. Attenuation does not know it.";
         RAIN_SPREAD_MPS "rain_spread_mps", number("m/s", 0.0, 20.0), default(1.0), "rain_clutter: rms velocity of the drops, each component, about the wind at 10 m and their mean fall: turbulence, shear, unequal falls.";
         NOISE_FIGURE_DB "noise_figure_db", number("dB", 0.0, 100.0), Means("a noiseless receiver"), "Receiver noise figure F: noise of k T0 F per Hz, T0 = 290 K, which includes that of an antenna at T0.";
+        FRONT_END "front_end", Section(&front_end::TABLE), Means("an ideal one"), "What is wrong between echo and converter.";
         ADC "adc", Section(&adc::TABLE), Means("floating-point samples"), "Analogue-to-digital converter.";
         CALIBRATION "calibration", Sections(&calibration::TABLE), Means("none"), "Channels with signals known in closed form, behind all others.";
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
@@ -40,6 +41,7 @@ tables! {
         SEED "seed", count(0, u64::MAX), Means("0 of the radar, 1, 2, .. of the emitters in their order"), "noise: what it is drawn by. scene.seed does not change it.";
         PATH "path", File, Required, "file: CSV lines re,im without a header.";
         RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
+        DROOP_DB "droop_db", number("dB", 0.0, 60.0), default(0.0), "How far the amplitude falls, linearly, from the begin of the pulse to its end. Pulses alone, without dechirp.";
     }
     dechirp "[radar.dechirp]" "What is received is multiplied by the conjugate of the waveform, filtered and sampled: an echo becomes a tone (docs/fmcw.md). Needs waveform.kind = \"lfm\", whose bandwidth may then exceed the sample rate." {
         DELAY_US "delay_us", number("us", 0.0, 1e7), Required, "Delay of the reference after the emission, of the length of the pulse: an echo of this delay has the beat frequency 0, one that comes later a negative one where the sweep rises.";
@@ -61,6 +63,19 @@ tables! {
         ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
         LEAD_US "lead_us", number("us", 0.0, 1e6), Required, "How much earlier than the echo of the aim point the window opens.";
         AIM_FROM "aim_from", Choice(words::<AimFrom>), Word("reported"), "Which tracks steer the opening of the receive window.";
+    }
+    front_end "[radar.front_end]" "What is wrong between echo and converter, for the samples of all receivers, noise included (docs/signal.md). Not beside [[radar.calibration]]." {
+        IQ_GAIN_DB "iq_gain_db", number("dB", -20.0, 20.0), default(0.0), "Gain of I over that of Q.";
+        IQ_PHASE_DEG "iq_phase_deg", number("deg", -60.0, 60.0), default(0.0), "How far Q is off the quarter turn.";
+        OFFSET_DBW "offset_dbw", number("dBW", -400.0, 100.0), Means("none"), "Power of a constant that is added to every sample.";
+        OFFSET_PHASE_DEG "offset_phase_deg", number("deg", -360.0, 360.0), default(0.0), "offset_dbw: its phase.";
+        STC_FULL_US "stc_full_us", above("us", 0.0, 1e7), Means("no sensitivity time control"), "Sensitivity time control: time after the last emission from which on the gain is full. Not with dechirp, nor with gate = \"continuous\".";
+        STC_EXPONENT "stc_exponent", number("", 0.0, 8.0), default(4.0), "stc_full_us: power of the time by which the power gain grows until then.";
+        STC_DEPTH_DB "stc_depth_db", number("dB", 0.0, 200.0), default(60.0), "stc_full_us: least gain, below the full one.";
+        BLANKING "blanking", Kind::Flag, Flag(false), "Whether samples are 0 while the radar transmits, in channels whose transmitter is on the platform of the receiver. Not with dechirp, nor with gate = \"continuous\".";
+        RECOVERY_US "recovery_us", number("us", 0.0, 1e7), default(0.0), "blanking: how much longer than the pulse it lasts.";
+        JITTER_RMS_S "jitter_rms_s", number("s", 0.0, 1e-3), default(0.0), "Jitter of the sampling clock, from sample to sample: standard deviation. 2 pi times it times the highest frequency is at most 0.3.";
+        JITTER_IF_HZ "jitter_if_hz", number("Hz", 0.0, 1e12), default(0.0), "jitter_rms_s: intermediate frequency at which the converter meets the carrier.";
     }
     adc "[radar.adc]" "Analogue-to-digital converter: mid-rise, I and Q separately, saturating." {
         BITS "bits", count(1, 16), Required, "Bits.";

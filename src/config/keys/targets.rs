@@ -3,18 +3,19 @@
 use super::*;
 
 tables! {
-    target "[[target]]" "A point target on a straight course. Its strength is one of rcs_m2, rcs_dbsm, rcs_csv, or a scattering matrix." {
+    target "[[target]]" "A point target on a straight course, or on a track. Its strength is one of rcs_m2, rcs_dbsm, rcs_csv, or a scattering matrix." {
         NAME "name", Name, Means("target-<number>, counted from 0"), "Its name, unique among targets.";
-        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given"), "East, North, height above the sea, at pulse 0.";
+        POSITION_M "position_m", vector("m", 3, FAR_M), Means("lat_deg and lon_deg are given, or a track"), "East, North, height above the sea, at pulse 0.";
         LAT_DEG "lat_deg", number("deg", -90.0, 90.0), Means("position_m is given"), "Latitude.";
         LON_DEG "lon_deg", number("deg", -180.0, 360.0), Means("position_m is given"), "Longitude.";
-        HEIGHT_M "height_m", number("m", -11_000.0, FAR_M), default(0.0), "With lat_deg and lon_deg: height above the sea.";
+        HEIGHT_M "height_m", number("m", -11_000.0, FAR_M), default(0.0), "With lat_deg and lon_deg, or on a track with heights = \"sea\": height above the sea.";
         VELOCITY_MPS "velocity_mps", vector("m/s", 3, FAST_MPS), Zeros, "Velocity East, North, up.";
+        TRACK "track", Section(&way::TABLE), Means("it goes straight on"), "How it moves instead, in place of position_m and velocity_mps.";
         RCS_M2 "rcs_m2", number("m^2", 0.0, 1e12), Means("another strength is given"), "Radar cross section of a sphere or trihedral: HH and VV equal, no HV.";
         RCS_DBSM "rcs_dbsm", number("dBsm", -300.0, 120.0), Means("another strength is given"), "The same in dB over 1 m^2.";
         RCS_CSV "rcs_csv", File, Means("another strength is given"), "Radar cross sections by aspect: CSV with the header az_deg,el_deg,rcs_dbsm, a regular grid of azimuth from the bow, positive to starboard, and elevation, with two values of each at least. Monostatic; bistatic radars read it at the bisector. HH and VV equal, no HV.";
         RCS_FLOOR_DBSM "rcs_floor_dbsm", number("dBsm", -300.0, 120.0), default(-300.0), "rcs_csv: cross section outside its grid.";
-        HEADING_DEG "heading_deg", number("deg", -360.0, 360.0), Means("along velocity_mps"), "rcs_csv: where the bow points, clockwise from North.";
+        HEADING_DEG "heading_deg", number("deg", -360.0, 360.0), Means("along its velocity"), "rcs_csv: where the bow points, clockwise from North.";
         S_VV "s_vv", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, [re, im], receive then transmit; |S|^2 is the radar cross section.";
         S_VH "s_vh", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received V, transmitted H.";
         S_HV "s_hv", vector("m", 2, 1e6), Means("[0, 0]"), "Scattering matrix, received H, transmitted V.";

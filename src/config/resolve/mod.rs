@@ -10,6 +10,7 @@ mod clock;
 mod emitter;
 mod errors;
 mod event;
+mod front_end;
 mod land;
 mod nav_out;
 mod patch;
@@ -25,6 +26,7 @@ mod turbulent;
 mod slick;
 mod stream;
 mod target;
+mod way;
 
 use std::collections::HashMap;
 
@@ -283,8 +285,11 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         radar.as_ref().map(|radar| 1.0 / radar.sends().mean_prf_hz()),
     );
     let start = time.start.filter(|_| time.start_written);
-    let ships = ship::ships(&root, &ground, start);
-    let targets = target::targets(&root, &ground);
+    // A word stands for an instant that is not known.
+    let known = start.filter(|_| time.word.is_none());
+    let run = way::Run { start: known, duration_s: time.duration_s };
+    let ships = ship::ships(&root, &ground, start, run);
+    let targets = target::targets(&root, &ground, run);
     plausible::targets(&root, &ground, targets.as_deref(), time.duration_s);
     let fidelity = stream::fidelity(&root);
     let stream = stream::stream(

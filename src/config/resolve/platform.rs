@@ -97,6 +97,30 @@ fn attitude(section: &Section<'_>) -> Option<Rotation<Body, Enu>> {
 }
 
 fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<FileSource> {
+    let (mut source, attitude) = (read(section, ground, format, None), attitude_source(section));
+    if let (Some(source), Some(attitude)) = (&mut source, attitude) {
+        source.attitude = attitude;
+    }
+    source.filter(|_| attitude.is_some())
+}
+
+/// A recording of what has no attitude; on the sea its heights do not count.
+pub(super) fn recording(
+    section: &Section<'_>,
+    ground: &Ground,
+    format: FileFormat,
+    on_sea: bool,
+) -> Option<FileSource> {
+    read(section, ground, format, on_sea.then_some(VerticalDatum::MeanSeaLevel))
+}
+
+/// A recording with a constant attitude.
+fn read(
+    section: &Section<'_>,
+    ground: &Ground,
+    format: FileFormat,
+    given: Option<VerticalDatum>,
+) -> Option<FileSource> {
     use keys::track::{DATE, MAX_GAP_S, PATH, SMOOTHING};
     let path = section.file(&PATH);
     // The format defines what its heights are measured from.
@@ -109,7 +133,11 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
     if geodetic && !ground.geodetic_allowed() {
         section.fault(&PATH, Problem::TrackNeedsOrigin);
     }
-    let datum = if known { Some(VerticalDatum::Ellipsoid) } else { datum(section, ground, geodetic) };
+    let datum = match given {
+        _ if known => Some(VerticalDatum::Ellipsoid),
+        Some(given) => Some(given),
+        None => datum(section, ground, geodetic),
+    };
     let max_gap_s = section.number(&MAX_GAP_S);
     let smoothing = match section.has(&SMOOTHING) {
         true => section.section(&SMOOTHING).and_then(smoothing),
@@ -118,7 +146,6 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
             Some(Smoothing::Off)
         }
     };
-    let attitude = attitude_source(section);
     let first_day = if format == FileFormat::Nmea { section.date(&DATE) } else { None };
     // What is smoothed has its own rejection of outliers.
     let is_exact = matches!(smoothing, Some(Smoothing::Off));
@@ -132,7 +159,7 @@ fn file(section: &Section<'_>, ground: &Ground, format: FileFormat) -> Option<Fi
         undulation_m: ground.origin_h_m.unwrap_or(0.0),
         max_gap_s: max_gap_s?,
         smoothing: smoothing?,
-        attitude: attitude?,
+        attitude: AttitudeSource::Constant(Rotation::from_yaw_pitch_roll(0.0, 0.0, 0.0)),
         first_day: if has_date { Some(first_day?) } else { None },
         bounds: bounds?,
     })

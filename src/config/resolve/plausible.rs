@@ -45,7 +45,7 @@ pub(super) fn intervals(
 
 /// A chirp against the length of its pulse.
 pub(super) fn band(radar: &Section<'_>, waveform: Option<&Waveform>) {
-    let Some(&Waveform::Lfm { bandwidth_hz, duration_s, .. }) = waveform else { return };
+    let Some(&Waveform::Lfm { bandwidth_hz, duration_s, .. }) = waveform.map(Waveform::level) else { return };
     if bandwidth_hz * duration_s < 1.0 - 1e-9 {
         let cell_m = 0.5 * SPEED_OF_LIGHT_MPS * duration_s;
         radar.reader().warn(Warning::NarrowBand { bandwidth_hz, pulse_us: microseconds(duration_s), cell_m });
@@ -119,10 +119,10 @@ pub(super) fn targets(
     duration_s: Option<f64>,
 ) {
     let (Some(targets), Some(duration_s)) = (targets, duration_s) else { return };
-    for target in targets.iter().filter(|target| target.velocity.norm() > 0.0) {
+    for target in targets.iter().filter(|target| target.fastest_mps() > 0.0) {
         let at = |step: u32| {
             let time_s = duration_s * f64::from(step) / f64::from(INSTANTS);
-            (-height_m(target.position + target.velocity * time_s, ground), time_s)
+            (-height_m(target.at(time_s).0, ground), time_s)
         };
         let deepest = (0..=INSTANTS).map(at).max_by(|a, b| a.0.total_cmp(&b.0));
         // A boat on a curved earth leaves the surface by millimetres.

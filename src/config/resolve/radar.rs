@@ -4,6 +4,7 @@ use super::antenna::{self, AimKeys, MountKeys, aim_keys, mount_keys};
 use super::calibration::{self, Limits};
 use super::clock::Given;
 use super::emitter;
+use super::front_end;
 use super::place::SurfaceKeys;
 use super::signal::{emissions, waveform};
 use super::{Ground, Names, plausible};
@@ -14,6 +15,7 @@ use crate::config::scalars::{polarisation, polarisation_pair};
 use crate::config::section::Section;
 use crate::radar::rain::{CARRIERS_HZ, RAYLEIGH_TO_HZ};
 use crate::scene::calibration::Calibration;
+use crate::scene::front_end::FrontEnd;
 use crate::scene::radar::{
     Adc, Channel, Dechirp, Gate, Polarisation, Radar, RainClutter, Receiver, Transmitter, TxPolarisation,
     Waveform, Window,
@@ -94,6 +96,11 @@ pub(super) fn radar(
     let noise_figure_db = section.number(&k::NOISE_FIGURE_DB);
     let has_adc = section.has(&k::ADC);
     let adc = section.section(&k::ADC).and_then(adc);
+    let front_end = match section.section(&k::FRONT_END) {
+        Some(table) => front_end::front_end(table, sample_rate_hz),
+        None => (!section.has(&k::FRONT_END)).then(FrontEnd::default),
+    };
+    let gates = front_end.is_some_and(|of| of.stc.is_some() || of.blanked_s.is_some());
     let direct_path = section.flag(&k::DIRECT_PATH);
     let limits = Limits {
         channels: channels.as_deref(),
@@ -124,9 +131,17 @@ pub(super) fn radar(
                 (clocks.has_any(), "clock errors of antennas"),
                 (known, "[[radar.calibration]]"),
                 (matches!(rain_clutter, Some(Some(_))), "rain_clutter"),
+                (gates, "stc_full_us or blanking in [radar.front_end]"),
             ],
         );
     }
+    let known = calibration.as_ref().is_some_and(|list| !list.is_empty());
+    let errs = front_end.is_some_and(|of| !of.is_ideal());
+    refuse_beside(
+        &section,
+        (&k::FRONT_END, "a front end that is not ideal", "no front_end"),
+        &[(errs && known, "[[radar.calibration]]")],
+    );
     if dechirped {
         if let (Some(waveform), Some(rate_hz), Some(window)) = (&waveform, sample_rate_hz, &window) {
             check_dechirp(&section, waveform, rate_hz, window.samples);
@@ -137,6 +152,7 @@ pub(super) fn radar(
             (&k::DECHIRP, "dechirp", "no dechirp"),
             &[
                 (continuous, "gate = \"continuous\""),
+                (gates, "stc_full_us or blanking in [radar.front_end]"),
                 (clocks.has_any(), "clock errors of antennas"),
                 (known, "[[radar.calibration]]"),
             ],
@@ -177,6 +193,7 @@ pub(super) fn radar(
         rain_mmph: rain_mmph?,
         rain_clutter: rain_clutter?,
         noise_figure_db,
+        front_end: front_end?,
         adc: if has_adc { Some(adc?) } else { None },
         direct_path: direct_path?,
         transmitters: transmitters.into_iter().collect::<Option<_>>()?,
@@ -204,8 +221,11 @@ fn check_dechirp(section: &Section<'_>, waveform: &Waveform, sample_rate_hz: f64
     let (Waveform::Lfm { bandwidth_hz, duration_s, .. } | Waveform::Triangular { bandwidth_hz, duration_s }) =
         waveform
     else {
-        let found = format!("dechirp of waveform.kind = \"{}\"", waveform.kind());
-        let allowed = "waveform.kind = \"lfm\"".to_owned();
+        let (found, allowed) = match waveform {
+            Waveform::Drooping { .. } => ("dechirp of a pulse that droops".to_owned(), "droop_db = 0"),
+            _ => (format!("dechirp of waveform.kind = \"{}\"", waveform.kind()), "waveform.kind = \"lfm\""),
+        };
+        let allowed = allowed.to_owned();
         return section.fault(&keys::radar::DECHIRP, Problem::Type { found, allowed });
     };
     let rate_hz = MOST_WIDER * bandwidth_hz + 4.0 * sample_rate_hz;

@@ -36,7 +36,9 @@ pub(super) fn waveform(
     sample_rate_hz: Option<f64>,
     (train, number): (Option<&PulseTimes>, u64),
 ) -> Option<Waveform> {
-    use crate::config::keys::waveform::{BANDWIDTH_HZ, CHIP_S, KIND, PATH, PULSE_S, RATE_HZ, SWEEP};
+    use crate::config::keys::waveform::{
+        BANDWIDTH_HZ, CHIP_S, DROOP_DB, KIND, PATH, PULSE_S, RATE_HZ, SWEEP,
+    };
     let too_wide = |key: &'static Key, bandwidth_hz: f64| {
         if let Some(sample_rate_hz) = sample_rate_hz.filter(|rate_hz| bandwidth_hz > *rate_hz) {
             section.fault(key, Problem::Bandwidth { bandwidth_hz, sample_rate_hz });
@@ -96,8 +98,16 @@ pub(super) fn waveform(
         }
         None => None,
     };
+    let droop_db = section.number(&DROOP_DB);
+    let droops = droop_db.is_some_and(|droop_db| droop_db > 0.0);
+    if let (Some(Waveform::Stream { source, .. }), true) = (&waveform, droops) {
+        let found = format!("droop of kind = \"{}\"", source.name());
+        let allowed = "droop_db = 0, or a waveform of pulses".to_owned();
+        section.fault(&DROOP_DB, Problem::Type { found, allowed });
+    }
     section.finish();
-    waveform
+    let (waveform, droop_db) = (waveform?, droop_db?);
+    Some(if droops { Waveform::Drooping { of: Box::new(waveform), droop_db } } else { waveform })
 }
 
 /// What a random signal is drawn by: its place, unless it is given.

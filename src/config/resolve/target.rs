@@ -3,25 +3,25 @@
 use num_complex::Complex64;
 
 use super::place::{self, SurfaceKeys};
-use super::{Ground, Names, plausible};
+use super::{Ground, Names, plausible, way};
 use crate::config::choices::{Alignment, Waves};
 use crate::config::error::Problem;
 use crate::config::keys::{self, Key, MOST_FLOATING, MOST_TARGETS};
 use crate::config::section::Section;
 use crate::frames::{Enu, Point, Vector};
-use crate::scene::Target;
 use crate::scene::target::{Aspect, Floating, Swerling};
+use crate::scene::{Target, Trajectory};
 use crate::units::Decibels;
 
 /// `[[target]]`, then `[[target_grid]]`.
-pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>> {
+pub(super) fn targets(root: &Section<'_>, ground: &Ground, run: way::Run) -> Option<Vec<Target>> {
     let mut names = Names::new("target");
     let mut targets = Vec::new();
     let mut sound = true;
     let choppy = root.peek_choice_in(&keys::root::SEA, &keys::sea::WAVES) == Some(Waves::Choppy);
     for (index, section) in root.sections(&keys::root::TARGET).into_iter().enumerate() {
         names.take_or(&section, &keys::target::NAME, Some(format!("target-{index}")));
-        match target(section, (root.has(&keys::root::SEA), choppy), names.last(), ground) {
+        match target(section, (root.has(&keys::root::SEA), choppy), names.last(), ground, run) {
             Some(target) => targets.push(target),
             None => sound = false,
         }
@@ -58,23 +58,36 @@ pub(super) fn targets(root: &Section<'_>, ground: &Ground) -> Option<Vec<Target>
     sound.then_some(targets)
 }
 
-fn target(section: Section<'_>, sea: (bool, bool), name: Option<String>, ground: &Ground) -> Option<Target> {
+fn target(
+    section: Section<'_>,
+    sea: (bool, bool),
+    name: Option<String>,
+    ground: &Ground,
+    run: way::Run,
+) -> Option<Target> {
     use keys::target as k;
+    let tracked = section.has(&k::TRACK);
+    let trajectory = if tracked { track(&section, ground, run) } else { None };
+    if !tracked {
+        section.section(&k::TRACK);
+    }
     let surface = SurfaceKeys {
         position_m: &k::POSITION_M,
         lat_deg: &k::LAT_DEG,
         lon_deg: &k::LON_DEG,
         height_m: if section.has(&k::POSITION_M) { None } else { Some(&k::HEIGHT_M) },
     };
-    let position = place::above_sea(&section, &surface, ground);
+    let now = trajectory.as_ref().map(|way| way.at(0.0));
+    let position =
+        if tracked { now.map(|now| now.position) } else { place::above_sea(&section, &surface, ground) };
     if let Some(position) = position {
         plausible::target(&section, [&k::POSITION_M, &k::HEIGHT_M], position, ground);
     }
-    let velocity = velocity(&section, &k::VELOCITY_MPS);
+    let velocity = if tracked { now.map(|now| now.velocity) } else { velocity(&section, &k::VELOCITY_MPS) };
     let scattering = scattering(&section);
-    let aspect = aspect(&section, velocity);
+    let aspect = aspect(&section, velocity, tracked);
     let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
-    let floating = floating(&section, sea, velocity);
+    let floating = floating(&section, sea, velocity.filter(|_| !tracked));
     let multipath = section.flag(&k::MULTIPATH);
     if multipath == Some(true) && !sea.0 {
         section.fault(&k::MULTIPATH, Problem::Idle { when: "there is no [sea] that reflects".to_owned() });
@@ -85,12 +98,21 @@ fn target(section: Section<'_>, sea: (bool, bool), name: Option<String>, ground:
         multipath: multipath?,
         swerling: swerling?,
         aspect: aspect?,
+        trajectory,
         ..Target::new(name?, position?, velocity?, scattering?)
     })
 }
 
+/// How it moves on a track, which stands for its place and velocity.
+fn track(section: &Section<'_>, ground: &Ground, run: way::Run) -> Option<Trajectory> {
+    use keys::target as k;
+    section.idle(&[&k::POSITION_M, &k::LAT_DEG, &k::LON_DEG, &k::VELOCITY_MPS], "the target has a track");
+    let height_m = section.number(&k::HEIGHT_M);
+    section.section(&k::TRACK).and_then(|table| way::way(table, ground, run, way::Mover::Target(height_m)))
+}
+
 /// The file of cross sections by aspect, where there is one.
-fn aspect(section: &Section<'_>, velocity: Option<Vector<Enu>>) -> Option<Option<Aspect>> {
+fn aspect(section: &Section<'_>, velocity: Option<Vector<Enu>>, tracked: bool) -> Option<Option<Aspect>> {
     use keys::target::{HEADING_DEG, RCS_CSV, RCS_FLOOR_DBSM};
     let (path, floor_dbsm) = (section.file(&RCS_CSV), section.number(&RCS_FLOOR_DBSM));
     let heading_deg = section.number(&HEADING_DEG);
@@ -103,7 +125,9 @@ fn aspect(section: &Section<'_>, velocity: Option<Vector<Enu>>) -> Option<Option
         return Some(None);
     }
     let heading_rad = if section.has(&HEADING_DEG) {
-        heading_deg?.to_radians()
+        Some(heading_deg?.to_radians())
+    } else if tracked {
+        None
     } else {
         let [east, north, _] = velocity?.to_array();
         if east == 0.0 && north == 0.0 {
@@ -111,7 +135,7 @@ fn aspect(section: &Section<'_>, velocity: Option<Vector<Enu>>) -> Option<Option
             section.fault(&HEADING_DEG, Problem::Missing { allowed });
             return None;
         }
-        east.atan2(north)
+        Some(east.atan2(north))
     };
     Some(Some(Aspect { path: path?, heading_rad, floor_dbsm: floor_dbsm? }))
 }

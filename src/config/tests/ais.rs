@@ -40,6 +40,7 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
                 "[{ log = 'tracks/solent_ais.csv', echo = true, mesh = true, superstructure = 'none' }]",
             )],
         ),
+        (SEA, vec![("ais", "[{ log = 'tracks/solent_ais.csv', follow = true }]")]),
         (SEA, vec![("ais", "[{ log = 'tracks/solent_ais.csv', start_utc = '2016-01-12T13:05:00Z' }]")]),
     ]
 }
@@ -58,6 +59,45 @@ fn fault(text: &str, log: &str, table: &str) -> String {
     let error = read_in(&folder, text, log, table).unwrap_err();
     let here = folder.path().display().to_string();
     error.faults().iter().map(|fault| format!("{fault}\n").replace(&here, "here")).collect()
+}
+
+/// A vessel on a circle of 500 m at 10 knots, a report every 10 s, one of them astray, and one that stops.
+#[test]
+fn vessels_follow_their_reports() {
+    let mut log = String::from("Time,MMSI,Latitude_degrees,Longitude_degrees,COG_degrees,SOG_knots\n");
+    let (speed_mps, metres) = (10.0 * 1852.0 / 3600.0, [71_700.0, 111_230.0]);
+    for n in -10..=10 {
+        let time_s = 10.0 * f64::from(n);
+        let turn = speed_mps / 500.0 * time_s;
+        let stray_m = if n == 3 { 2000.0 } else { 0.0 };
+        let [east_m, north_m] = [500.0 * turn.sin() + stray_m, 500.0 - 500.0 * turn.cos()];
+        let second = 43_200 + 10 * n;
+        let (hour, minute, rest) = (second / 3600, second / 60 % 60, second % 60);
+        let (lat, lon) = (50.0 + north_m / metres[1], -1.0 + east_m / metres[0]);
+        let course = (90.0 - turn.to_degrees()).rem_euclid(360.0);
+        log += &format!("2016-01-12 {hour:02}:{minute:02}:{rest:02},1,{lat:.7},{lon:.7},{course:.1},10.0\n");
+        let knots = if n > 0 { 0.0 } else { 5.0 };
+        log += &format!("2016-01-12 {hour:02}:{minute:02}:{rest:02},2,50.01,-1.0,0.0,{knots:.1}\n");
+    }
+    let run = read_log(&placed(), &log, "follow = true").unwrap();
+    let [ship] = &run.scene.ships[..] else { panic!("{:?}", run.scene.ships) };
+    let way = ship.trajectory.as_ref().unwrap();
+    for n in -50..50 {
+        let time_s = f64::from(n);
+        let turn = speed_mps / 500.0 * time_s;
+        let [x, y, _] = way.at(time_s).position.to_array();
+        let off_m = (x - 500.0 * turn.sin()).hypot(y - (500.0 - 500.0 * turn.cos()));
+        // Courses are rounded to 0.1 degree, and a degree of longitude is not known to more digits here.
+        assert!(off_m < 0.5, "{time_s}: {off_m}");
+    }
+    let text: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
+    let wanted = "1 reports left out for which vessels would have to turn or run faster";
+    assert!(text.iter().any(|text| text.contains(wanted) && text.contains("1 vessels left out")), "{text:?}");
+    // A bound that it does not keep leaves it one report: it sails straight on.
+    let run = read_log(&placed(), &log, "follow = true\nmax_turn_degps = 0.0001\nmmsi = [1]").unwrap();
+    assert!(run.scene.ships.len() <= 1);
+    let idle = fault(&placed(), &log, "max_turn_degps = 5");
+    assert!(idle.contains("ais.0.max_turn_degps") && idle.contains("follow = false"), "{idle}");
 }
 
 #[test]

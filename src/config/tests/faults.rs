@@ -120,7 +120,7 @@ target.1.heading_deg: not allowed here (the target has no rcs_csv)
     let table = format!("[{{ position_m = [0, 0, 0], velocity_mps = [3, 3, 1], rcs_csv = '{file}' }}]");
     let run = coastal_with(&[("target", &table)]).unwrap();
     let aspect = run.scene.targets[0].aspect.clone().unwrap();
-    assert_eq!((aspect.heading_rad, aspect.floor_dbsm), (std::f64::consts::FRAC_PI_4, -300.0));
+    assert_eq!((aspect.heading_rad, aspect.floor_dbsm), (Some(std::f64::consts::FRAC_PI_4), -300.0));
 }
 
 #[test]

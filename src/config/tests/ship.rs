@@ -22,6 +22,25 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
                  heading_deg = 0, speed_mps = 5, turbulent = {} }]",
             )],
         ),
+        (
+            SEA,
+            vec![(
+                "ship",
+                "[{ hull = 'README.md', track = { kind = 'waypoints', waypoints_m = [[0, 0], [1, 1]], \
+                 speed_mps = 5, turn_radius_m = 9, begin_s = 0, waypoints_deg = [[1, 2]] } }, \
+                 { hull = 'README.md', track = { kind = 'csv', path = 'README.md', heights = 'sea' } }]",
+            )],
+        ),
+        (
+            SEA,
+            vec![(
+                "target",
+                "[{ rcs_m2 = 1, track = { kind = 'csv', path = 'README.md', heights = 'recorded', datum = \
+                 'barometric', smoothing = {} } }, { rcs_m2 = 1, track = { kind = 'sbet', path = 'README.md', \
+                 gps_week = 2000 } }, { rcs_m2 = 1, track = { kind = 'nmea', path = 'README.md', date = \
+                 '2024-05-01' } }]",
+            )],
+        ),
         (SEA, vec![("ship", "[{ hull = 'README.md', lat_deg = 1, lon_deg = 2, towards_deg = 3 }]")]),
         (
             SEA,
@@ -73,9 +92,86 @@ fn defaults_are_those_of_the_descriptions() {
         turbulent: Some(TurbulentWake::default()),
         echo: false,
         mesh: Default::default(),
+        trajectory: None,
         panels: Default::default(),
     };
     assert_eq!(found, expected);
+}
+
+/// A recording of three fixes a second apart about the start, East at 5 m/s.
+const RECORDING: &str = "time_utc,x_m,y_m,z_m\n2024-05-01T11:59:59Z,-5,0,7\n2024-05-01T12:00:00Z,0,0,7\n\
+                         2024-05-01T12:00:30Z,150,0,7\n";
+
+fn tracked(table: &str) -> Result<Run, ConfigError> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("way.csv"), RECORDING).unwrap();
+    let text = SEA.replace("[scene]\n", "[scene]\nstart_utc = \"2024-05-01T12:00:00Z\"\n");
+    parse(&format!("{text}\n{table}\n"), &folder.path().join("my.toml"), &[])
+}
+
+const HULL: &str = "[[ship]]\nhull = \"wigley\"\nlength_m = 20\nbeam_m = 3\ndraught_m = 1\n";
+
+#[test]
+fn tracks_arrive() {
+    let recorded = "track = { kind = \"csv\", path = \"way.csv\", max_gap_s = 40 }";
+    let ship = tracked(&format!("{HULL}{recorded}")).unwrap().scene.ships.remove(0);
+    assert_eq!((ship.position_m, ship.heading_rad), ([0.0, 0.0], 0.0));
+    assert!((ship.speed_mps - 5.0).abs() < 1e-9 && ship.kelvin.is_some_and(|waves| !waves.short_waves));
+    let way = ship.trajectory.unwrap();
+    // It sails on the sea, whatever heights are recorded.
+    assert_eq!((way.span_s(), way.at(15.0).position.to_array()[2]), ([-1.0, 30.0], 0.0));
+    let target = |keys: &str| {
+        tracked(&format!("[[target]]\nrcs_m2 = 1\n{keys}")).unwrap().scene.targets.pop().unwrap()
+    };
+    let high = target(&format!("height_m = 3\n{recorded}"));
+    assert_eq!(high.at(15.0).0.to_array()[2], 3.0);
+    let own = "track = { kind = \"csv\", path = \"way.csv\", max_gap_s = 40, heights = \"recorded\" }";
+    assert!((target(own).at(15.0).0.to_array()[2] - 7.0).abs() < 1e-9);
+    let round = "track = { kind = \"waypoints\", waypoints_m = [[0, 0], [100, 0], [100, 100]], \
+                 speed_mps = 5, turn_radius_m = 20 }";
+    let (place, velocity) = target(round).at(1e4);
+    assert!(place.to_array()[1] > 1e4 && velocity.to_array()[0].abs() < 1e-9, "{place:?}");
+}
+
+#[test]
+fn faults_of_tracks_are_named() {
+    let text = |table: &str| {
+        let error = tracked(table).unwrap_err();
+        error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
+    };
+    let has = |table: &str, wanted: &str| {
+        let found = text(table);
+        assert!(found.contains(wanted), "{found}");
+    };
+    let csv = "track = { kind = \"csv\", path = \"way.csv\"";
+    has(&format!("{HULL}{csv} }}"), "gap");
+    let open = format!("{csv}, max_gap_s = 40");
+    has(&format!("{HULL}{open} }}\nspeed_mps = 3"), "ship.0.speed_mps: ");
+    has(&format!("{HULL}{open} }}\nspeed_mps = 3"), "the ship has a track");
+    has(&format!("{HULL}{open}, heights = \"recorded\" }}"), "a ship sails on the sea");
+    has(&format!("{HULL}{open} }}\nwake_bragg = true"), "allowed with a track: wake_bragg = false");
+    has(
+        &format!("{HULL}{open} }}\necho = true\nmotion = \"waves\""),
+        "allowed with a track: motion = \"level\"",
+    );
+    has(&format!("[[target]]\nrcs_m2 = 1\n{open} }}\nposition_m = [0, 0, 0]"), "the target has a track");
+    let round = |points: &str, radius_m: &str| {
+        format!(
+            "{HULL}track = {{ kind = \"waypoints\", waypoints_m = {points}, speed_mps = 5, turn_radius_m = {radius_m} }}"
+        )
+    };
+    has(&round("[[0, 0], [10, 0], [10, 10]]", "90"), "the leg from waypoint 0 to 1 is 10.0 m long");
+    has(&round("[[0, 0], [0, 0]]", "90"), "lie in the same place");
+    has(&round("[[0, 0]]", "90"), "a list of 2 to 1000 pairs");
+    let now = parse(
+        &format!(
+            "{SEA}\n{HULL}track = {{ kind = \"csv\", path = \"tracks/north_sea_turn.csv\", max_gap_s = 40 }}"
+        ),
+        &in_configs(),
+        &[],
+    );
+    let now: String = now.unwrap_err().faults().iter().map(|fault| format!("{fault}\n")).collect();
+    assert!(now.contains("ship.0.track.path"), "{now}");
 }
 
 #[test]

@@ -14,7 +14,8 @@
 //!
 //! The heave of a target is a Gaussian process: the largest of the `N` stretches of the run exceeds the
 //! largest of the `n` that are followed by a factor of about `sqrt(ln N / ln n)`. The error of such targets
-//! is multiplied by it.
+//! is multiplied by it. That of targets and ships that turn is multiplied by 1.5 at least, because what
+//! cubics leave in a turn depends on where they begin.
 //!
 //! Panels of ships have nodes of their own, and gains that are found at every pulse. Their error is that of
 //! the cubics through the amplitude without gains, times the gains and the fraction that is not hidden. It
@@ -233,9 +234,9 @@ impl ErrorSampler<'_> {
         self.points.followed = targets.into_iter().chain(panels.iter().map(|n| first_panel + n)).collect();
         self.points.all_of_followed = [of_targets, of_panels];
         let unseen = unseen(self.points.stretches.len() as u64, self.pulses, self.longest());
-        if unseen > 1.0 && (0..points).any(|n| self.generator.is_lifted(n)) {
-            let of = |n| if self.generator.is_lifted(n) { unseen } else { 1.0 };
-            self.points.unseen = (0..points).map(of).collect();
+        let of: Vec<f64> = (0..points).map(|n| self.generator.left_unseen(n, unseen)).collect();
+        if of.iter().any(|unseen| *unseen > 1.0) {
+            self.points.unseen = of;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Smooth motion about a track: gusts, and the truth beside what an instrument reported.
 //!
 //! Six axes, East, North, up (m) and roll, pitch, heading (rad), each a chain of quintic segments
-//! ([`crate::motion::hermite`]) on nodes at equal steps that carry value, first and second derivative: C2, as
+//! ([`crate::scene::hermite`]) on nodes at equal steps that carry value, first and second derivative: C2, as
 //! the echo needs it. The position, velocity and acceleration of the track are added to; angles are added to
 //! yaw, pitch and roll, and the angular rate is that of the sums:
 //!
@@ -16,8 +16,8 @@ use crate::frames::{Body, Enu, Rotation, Vector};
 use crate::motion::errors::{
     ATTITUDE, AXES, AxisErrors, Circumstances, ErrorModel, Errors, ErrorsFault, MOST_VALUES,
 };
-use crate::motion::hermite::{Basis, derivative_weights, stencil};
 use crate::motion::track::{State, TrackError};
+use crate::scene::hermite::{Basis, derivative_weights, stencil};
 use crate::time::TimeTag;
 
 /// Value, first and second derivative.
@@ -151,7 +151,7 @@ fn axes_of_motion() -> impl Iterator<Item = usize> {
 fn jets(values: &[f64], step_s: f64) -> impl Iterator<Item = Jet> {
     (0..values.len()).map(move |i| {
         let near = stencil(i, values.len());
-        let mut times = [0.0; crate::motion::hermite::STENCIL];
+        let mut times = [0.0; crate::scene::hermite::STENCIL];
         for (time, node) in times.iter_mut().zip(near.clone()) {
             *time = (node as f64 - i as f64) * step_s;
         }

@@ -1,7 +1,7 @@
 //! From fixes to the nodes of a smooth track.
 //!
 //! [`Smoothing::Off`] takes the fixes as exact; velocity and acceleration at a node are those of the
-//! polynomial through its seven nearest fixes ([`crate::motion::hermite`]).
+//! polynomial through its seven nearest fixes ([`crate::scene::hermite`]).
 //!
 //! [`Smoothing::Rts`] runs the smoother of [`crate::motion::smoother`] on East, North and up of the middle
 //! fix, without the outliers ([`crate::motion::outliers`]; a wrong height does not cost the position, nor the
@@ -22,12 +22,12 @@ use serde::Serialize;
 
 use crate::frames::SceneFrame;
 use crate::motion::gate::Refusals;
-use crate::motion::hermite::{acceleration_controls, derivative_weights, stencil};
 use crate::motion::outliers;
 use crate::motion::place::{position, to_local_axes};
 use crate::motion::smoother::{Series, likeliest_density, smooth};
 use crate::motion::track::TrackError;
 use crate::nav::{FileSource, Fix, Smoothing};
+use crate::scene::hermite::{acceleration_controls, derivative_weights, stencil};
 use crate::time::TimeTag;
 
 /// Rounds of outlier rejection at most.
@@ -200,7 +200,7 @@ pub(crate) fn exact_node(
     fix: impl Fn(usize) -> (TimeTag, DVec3),
 ) -> Node {
     let (time, p) = fix(index);
-    let mut t_s = [0.0; crate::motion::hermite::STENCIL];
+    let mut t_s = [0.0; crate::scene::hermite::STENCIL];
     for (t_s, near) in t_s.iter_mut().zip(stencil.clone()) {
         *t_s = fix(near).0.since(time);
     }

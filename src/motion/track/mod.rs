@@ -1,9 +1,9 @@
 //! The trajectory of a platform: position, velocity, acceleration, attitude at any instant.
 //!
 //! A recorded track is a chain of quintic Hermite segments on (position, velocity, acceleration) at its
-//! nodes, see [`super::hermite`]: position is C2 (velocity and acceleration are continuous), evaluation
-//! depends on the two nodes beside the instant alone, and it is exact at the nodes. Node states come from the
-//! fixes ([`crate::motion::track::fit`]), the attitude from [`super::attitude`].
+//! nodes, see [`crate::scene::hermite`]: position is C2 (velocity and acceleration are continuous),
+//! evaluation depends on the two nodes beside the instant alone, and it is exact at the nodes. Node states
+//! come from the fixes ([`crate::motion::track::fit`]), the attitude from [`super::attitude`].
 //!
 //! A track never extrapolates: outside its span it answers with [`TrackError::OutOfSpan`]. Times are exact
 //! ([`TimeTag`]); within a segment they are counted from its first node, so a fix of the year 2018 costs no
@@ -54,6 +54,7 @@ use crate::motion::errors::{AxisErrors, Circumstances, ErrorModel, Errors};
 use crate::motion::gusts::Gusts;
 use crate::nav::TrackSource;
 use crate::nav::{self, AttitudeSource, FileSource, Fix, LoadReport, NavError, Place, Smoothing};
+use crate::scene::trajectory::Knot;
 use crate::time::TimeTag;
 use deviation::Deviation;
 use fit::Node;
@@ -275,6 +276,18 @@ impl Track {
             // It reaches as far as it is asked for.
             Kind::Live(_) => None,
         }
+    }
+
+    /// The knots of a recorded track, at times after pulse 0; `None` of others.
+    pub fn knots(&self, start: TimeTag) -> Option<Vec<Knot>> {
+        let Kind::Recorded { nodes, .. } = &self.0 else { return None };
+        let knot = |node: &Node| Knot {
+            time_s: node.time.since(start),
+            position: Point::from_raw(node.p),
+            velocity: Vector::from_raw(node.v),
+            acceleration: Vector::from_raw(node.a),
+        };
+        Some(nodes.iter().map(knot).collect())
     }
 
     /// The same track through turbulent air, for a run of the given circumstances whose pulse 0 leaves at

@@ -8,9 +8,9 @@ use super::fit::Node;
 use super::{State, TrackError};
 use crate::frames::{Body, Enu, Point, Rotation, SceneFrame, Vector};
 use crate::motion::attitude::{self, MIN_SPEED_MPS, Turn};
-use crate::motion::hermite::Basis;
 use crate::motion::place;
 use crate::nav::{AttitudeSource, FileSource, Fix};
+use crate::scene::hermite::Basis;
 use crate::time::TimeTag;
 
 /// Moves a recorded nominal trajectory in time so that the run begins within it, [`LEAD_S`] after its first

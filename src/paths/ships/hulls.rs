@@ -155,6 +155,7 @@ mod tests {
             turbulent: None,
             echo: false,
             mesh: Default::default(),
+            trajectory: None,
             panels: divided(panels, 3.0).unwrap().into(),
         };
         let frame = SceneFrame::plain(Earth::Flat);

@@ -106,14 +106,14 @@ impl Ships {
         self.elements == 0
     }
 
-    /// Whether waves move the ship of a path.
-    pub fn is_moved(&self, element: usize) -> bool {
+    /// Whether waves move the ship of a path, and whether it turns.
+    pub fn is_moved(&self, element: usize) -> [bool; 2] {
         let mut after = 0;
-        self.bodies.iter().any(|body| {
-            let first = after;
+        let of = self.bodies.iter().find(|body| {
             after += body.elements().len();
-            (first..after).contains(&element) && body.sailing().rides()
-        })
+            element < after
+        });
+        of.map_or([false; 2], |body| [body.sailing().rides(), body.sailing().turns()])
     }
 
     /// No point of a ship is faster, m/s.
@@ -267,6 +267,7 @@ mod tests {
             turbulent: None,
             echo: false,
             mesh: Default::default(),
+            trajectory: None,
             panels: panels.into(),
         }
     }

@@ -143,6 +143,7 @@ mod tests {
             turbulent: None,
             echo: false,
             mesh: ShipMesh { motion, ..ShipMesh::default() },
+            trajectory: None,
             panels: Default::default(),
         }
     }

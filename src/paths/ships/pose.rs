@@ -1,6 +1,7 @@
 //! Where a ship is at an instant, and how it moves.
 //!
-//! Midship sails its course over the mean sea: forward along the heading, up along the vertical there. A ship
+//! Midship sails its course over the mean sea: forward along the heading, up along the vertical there. On a
+//! trajectory it heads along its velocity, and turns with it. A ship
 //! that rides the waves is lifted by its heave, and turned about midship at the waterline: by its roll, then
 //! by its pitch, then by its heading.
 
@@ -8,7 +9,8 @@ use glam::{DMat3, DVec3};
 
 use super::motion::{Motion, Moved, Seas};
 use crate::frames::SceneFrame;
-use crate::scene::Ship;
+use crate::scene::ship::{self, Sailed};
+use crate::scene::{Ship, Trajectory};
 
 /// A ship at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +31,7 @@ pub(in crate::paths) struct Sailing {
     position_m: [f64; 2],
     ahead: [f64; 2],
     speed_mps: f64,
+    trajectory: Option<Trajectory>,
     motion: Option<Motion>,
 }
 
@@ -36,7 +39,13 @@ impl Sailing {
     pub fn of(ship: &Ship, seas: Option<Seas<'_>>) -> Self {
         let (sin, cos) = ship.heading_rad.sin_cos();
         let motion = Motion::of(ship, seas);
-        Self { position_m: ship.position_m, ahead: [cos, sin], speed_mps: ship.speed_mps, motion }
+        Self {
+            position_m: ship.position_m,
+            ahead: [cos, sin],
+            speed_mps: ship.speed_mps,
+            trajectory: ship.trajectory.clone(),
+            motion,
+        }
     }
 
     /// Whether waves move it.
@@ -44,13 +53,27 @@ impl Sailing {
         self.motion.is_some()
     }
 
+    /// Whether it is on a trajectory.
+    pub fn turns(&self) -> bool {
+        self.trajectory.is_some()
+    }
+
     /// The ship at a time after pulse 0.
     pub fn pose(&self, frame: &SceneFrame, elapsed_s: f64) -> Pose {
-        let velocity = self.ahead.map(|along| along * self.speed_mps);
-        let [x_m, y_m] = [0, 1].map(|i| self.position_m[i] + velocity[i] * elapsed_s);
+        let straight = || {
+            let velocity = self.ahead.map(|along| along * self.speed_mps);
+            let place = [0, 1].map(|i| self.position_m[i] + velocity[i] * elapsed_s);
+            (place, velocity, self.ahead, 0.0)
+        };
+        let ([x_m, y_m], velocity, heading, turn_radps) =
+            self.trajectory.as_ref().map_or_else(straight, |way| {
+                let Sailed { position_m, velocity_mps, ahead, turn_radps } =
+                    Sailed::on(way, elapsed_s, self.ahead);
+                (position_m, velocity_mps, ahead, turn_radps)
+            });
         let place = frame.above_sea(x_m, y_m, 0.0);
         let up = frame.earth().up(place).raw();
-        let ahead = DVec3::new(self.ahead[0], self.ahead[1], 0.0);
+        let ahead = DVec3::new(heading[0], heading[1], 0.0);
         let ahead = (ahead - up * up.dot(ahead)).normalize_or(DVec3::X);
         // On a curved earth the sea falls away beneath the ship.
         let fall = frame.earth().drop_slope(x_m, y_m);
@@ -59,7 +82,7 @@ impl Sailing {
             origin_m: place.raw(),
             axes: DMat3::from_cols(ahead, up.cross(ahead), up),
             velocity_mps: DVec3::new(velocity[0], velocity[1], -sinks_mps),
-            turning_radps: DVec3::ZERO,
+            turning_radps: up * turn_radps,
         };
         self.motion.as_ref().map_or(level, |motion| moved(&level, &motion.at(elapsed_s)))
     }
@@ -67,7 +90,9 @@ impl Sailing {
     /// No point within a radius of midship is faster, m/s.
     pub fn fastest_mps(&self, radius_m: f64) -> f64 {
         let [heave_mps, pitch_radps, roll_radps] = self.motion.as_ref().map_or([0.0; 3], Motion::rates);
-        self.speed_mps + heave_mps + radius_m * (pitch_radps + roll_radps)
+        let sails_mps = self.trajectory.as_ref().map_or(self.speed_mps, Trajectory::fastest_mps);
+        let turns_radps = self.trajectory.as_ref().map_or(0.0, ship::fastest_turn_radps);
+        sails_mps + heave_mps + radius_m * (pitch_radps + roll_radps + turns_radps)
     }
 }
 

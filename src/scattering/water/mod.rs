@@ -399,7 +399,7 @@ impl WaterScattering {
     /// [`Self::kind_at`] and [`Self::scatter_at`].
     pub fn poses(&self, t_s: f64, out: &mut Vec<Pose>) {
         out.clear();
-        out.extend(self.strips.iter().map(|strip| strip.course.pose(t_s)));
+        out.extend(self.strips.iter().map(|strip| strip.pose(t_s)));
         out.extend(self.short_waves.iter().map(|waves| waves.course().pose(t_s)));
     }
 
@@ -428,7 +428,7 @@ impl WaterScattering {
             }
         }
         for (kind, (strip, pose)) in (1 + self.regions.len()..).zip(self.strips.iter().zip(poses)) {
-            let cover = strip.strip.cover(pose.astern_starboard_m(place_m));
+            let cover = strip.cover(place_m, pose);
             if cover > most.1 {
                 most = (kind, cover);
             }
@@ -444,16 +444,7 @@ impl WaterScattering {
             .regions
             .iter()
             .any(|(_, [[u0, u1], [v0, v1]])| *u0 <= x1 && x0 <= *u1 && *v0 <= y1 && y0 <= *v1);
-        let corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]];
-        of_slicks
-            || self.strips.iter().zip(poses).any(|(strip, pose)| {
-                let places = corners.map(|corner| pose.astern_starboard_m(corner));
-                let furthest_m = places.iter().fold(f64::NEG_INFINITY, |most, place| most.max(place[0]));
-                let least = places.iter().fold(f64::INFINITY, |least, place| least.min(place[1]));
-                let most = places.iter().fold(f64::NEG_INFINITY, |most, place| most.max(place[1]));
-                let aside_m = strip.strip.reach_aside_m(furthest_m);
-                aside_m > 0.0 && least < aside_m && most > -aside_m
-            })
+        of_slicks || self.strips.iter().zip(poses).any(|(strip, pose)| strip.is_near(bounds_m, pose))
     }
 
     /// Scattering matrices of a batch of one kind, sqrt(m^2), in the order `vv, vh, hv, hh`.

@@ -52,6 +52,13 @@ pub enum Waveform {
         /// Rate of the samples, Hz.
         rate_hz: f64,
     },
+    /// A pulse whose amplitude falls linearly.
+    Drooping {
+        /// The pulse without it; never one of these.
+        of: Box<Waveform>,
+        /// How far its end lies below its begin, dB.
+        droop_db: f64,
+    },
     /// A continuous signal, of which every emission radiates the next segment.
     Stream {
         /// The signal.
@@ -99,6 +106,7 @@ impl Waveform {
             | Self::Nlfm { duration_s, .. }
             | Self::Cw { duration_s } => Some(*duration_s),
             Self::PhaseCode { code, chip_s } => Some(code.chips() as f64 * chip_s),
+            Self::Drooping { of, .. } => of.duration_s(),
             Self::Samples { .. } | Self::Stream { .. } => None,
         }
     }
@@ -111,6 +119,7 @@ impl Waveform {
             | Self::Nlfm { bandwidth_hz, .. } => Some(*bandwidth_hz),
             Self::Cw { duration_s } => Some(duration_s.recip()),
             Self::PhaseCode { chip_s, .. } => Some(chip_s.recip()),
+            Self::Drooping { of, .. } => of.bandwidth_hz(),
             Self::Stream { source, .. } => source.bandwidth_hz(),
             Self::Samples { .. } => None,
         }
@@ -121,8 +130,14 @@ impl Waveform {
         match self {
             Self::Lfm { bandwidth_hz, duration_s, .. } => Some(bandwidth_hz / duration_s),
             Self::Triangular { bandwidth_hz, duration_s } => Some(2.0 * bandwidth_hz / duration_s),
+            Self::Drooping { of, .. } => of.steepness_hz_per_s(),
             _ => None,
         }
+    }
+
+    /// The pulse without droop.
+    pub fn level(&self) -> &Self {
+        if let Self::Drooping { of, .. } = self { of } else { self }
     }
 
     /// The kind as recordings and streams name it.
@@ -133,6 +148,7 @@ impl Waveform {
             Self::Nlfm { .. } => "nlfm",
             Self::Cw { .. } => "cw",
             Self::PhaseCode { .. } => "phase-code",
+            Self::Drooping { of, .. } => of.kind(),
             Self::Samples { .. } => "samples",
             Self::Stream { source, .. } => source.name(),
         }

@@ -79,7 +79,7 @@ impl Course {
     /// The ship's place and direction at a time.
     pub fn pose(&self, time_s: f64) -> Pose {
         let (sin, cos) = self.heading_rad(time_s).sin_cos();
-        Pose { position_m: self.position_m(time_s), ahead: [cos, sin] }
+        Pose { position_m: self.position_m(time_s), ahead: [cos, sin], run_m: self.speed_mps * time_s }
     }
 }
 
@@ -90,6 +90,8 @@ pub struct Pose {
     pub position_m: [f64; 2],
     /// Unit vector ahead.
     pub ahead: [f64; 2],
+    /// Run since t = 0, m.
+    pub run_m: f64,
 }
 
 impl Pose {

@@ -42,6 +42,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use super::course::{Course, Pose, Reach};
+use super::leg::LegWindow;
 use super::nodes::{self, Band, Node};
 use super::upstream::{Upstream, Window};
 use crate::sea::GRAVITY_MPS2;
@@ -109,6 +110,7 @@ pub enum Presence {
 pub struct Wake {
     course: Course,
     window: Window,
+    leg: Option<LegWindow>,
     reach: Reach,
     facet_m: f64,
     presence: Presence,
@@ -140,6 +142,7 @@ impl Wake {
         let none = |presence| Self {
             course,
             window: settings.upstream.window(length_m).fading(settings.fade_m),
+            leg: None,
             reach,
             facet_m: settings.facet_m,
             presence,
@@ -162,6 +165,16 @@ impl Wake {
         let with_ship = Reach { along_m: along_m + 0.5 * length_m, across_m };
         let nodes = nodes::nodes(speed_mps, k0, most, band, with_ship, amplitude_m)?;
         Ok(Self { nodes, ..none(Presence::Waves) })
+    }
+
+    /// The same of a ship that sails a leg of its way on this course: with waves that it made there alone.
+    pub fn of_leg(self, leg: Option<LegWindow>) -> Self {
+        Self { leg, ..self }
+    }
+
+    /// When its waves were made; `None`: all the time.
+    pub fn leg(&self) -> Option<LegWindow> {
+        self.leg
     }
 
     /// Whether there are waves.
@@ -235,6 +248,11 @@ impl Wake {
                 sample.displacement_m[axis] -= unit * quadrature;
             }
         }
-        Ok(edge.apply(&sample, self.course.speed_mps, pose.ahead))
+        let speed_mps = self.course.speed_mps;
+        let edge = match &self.leg {
+            None => edge.moving(speed_mps),
+            Some(leg) => leg.under(&edge, time_s, place[0], speed_mps),
+        };
+        Ok(edge.apply(&sample, pose.ahead))
     }
 }

@@ -27,8 +27,9 @@ use num_complex::{Complex, Complex64};
 
 use super::course::{Pose, corners_m};
 use super::free_waves::Wake;
+use super::leg::LegWindow;
 use super::nonuniform::NonUniform;
-use super::upstream::{Edge, Part, Window};
+use super::upstream::{Moving, Part, Window};
 use crate::cpu::{Task, Variant};
 use crate::scene::Patch;
 use crate::sea::GRAVITY_MPS2;
@@ -102,7 +103,7 @@ impl<T: Real> Map<T> {
         let patch = Patch { facets: [self.grid.nx(), self.grid.ny()], facet_m: self.grid.facet_m(), first };
         for wake in &self.wakes {
             let pose = wake.pose(time_s)?;
-            if touches(wake, &pose, &patch) {
+            if touches(wake, (&pose, time_s), &patch) {
                 for corner_m in corners_m(&patch) {
                     wake.check_reach(pose.astern_starboard_m(corner_m))?;
                 }
@@ -122,7 +123,7 @@ impl<T: Real> Map<T> {
         fields: &mut Fields<T>,
     ) -> Result<(), WakeError> {
         let pose = self.wakes[place].pose(time_s)?;
-        if !touches(&self.wakes[place], &pose, patch) {
+        if !touches(&self.wakes[place], (&pose, time_s), patch) {
             return Ok(());
         }
         self.turn_to(place, &pose, patch);
@@ -136,7 +137,7 @@ impl<T: Real> Map<T> {
         }
         let mut edges = std::mem::take(&mut self.edges);
         for iy in 0..patch.facets[1] {
-            self.collect_row(place, (&pose, patch), iy, &mut edges, fields);
+            self.collect_row(place, (&pose, time_s, patch), iy, &mut edges, fields);
         }
         self.edges = edges;
         Ok(())
@@ -180,7 +181,7 @@ impl<T: Real> Map<T> {
     fn collect_row(
         &self,
         place: usize,
-        (pose, patch): (&Pose, &Patch),
+        (pose, time_s, patch): (&Pose, f64, &Patch),
         iy: usize,
         edges: &mut Edges,
         fields: &mut Fields<T>,
@@ -193,7 +194,13 @@ impl<T: Real> Map<T> {
             let place_m = patch.centre_m([patch.first[0] + ix as i64, key_y]);
             pose.astern_starboard_m(place_m)[0]
         };
-        let part_of = |ix: usize| window.part(astern_m(ix));
+        let leg = wake.leg();
+        let range_m = leg.map(|leg| leg.range_m(time_s, speed_mps));
+        let part_of = |ix: usize| match (range_m, astern_m(ix)) {
+            (Some([from_m, _]), astern_m) if astern_m <= from_m => Part::Ahead,
+            (Some([_, to_m]), astern_m) if astern_m >= to_m => Part::Astern,
+            (_, astern_m) => window.part(astern_m),
+        };
         let planes = &self.planes;
         let mut ix = 0;
         while ix < nx {
@@ -206,15 +213,18 @@ impl<T: Real> Map<T> {
             }
             let from = iy * nx + ix;
             match part {
-                Part::Closed => {}
-                Part::Open => Variant::fastest().run(Piece { planes, from, len, speed_mps, ahead, fields }),
-                Part::Bow | Part::End => {
+                Part::Ahead | Part::Astern => {}
+                Part::Open if leg.is_none() => {
+                    Variant::fastest().run(Piece { planes, from, len, speed_mps, ahead, fields })
+                }
+                Part::Open | Part::Bow | Part::End => {
                     edges.astern_m.clear();
                     edges.astern_m.extend((ix..ix + len).map(astern_m));
                     // Planes that were not summed hold old values, which go nowhere.
                     let pairs = planes.each_ref().map(|plane| &plane[from..from + len]);
                     let under = Under { pairs, edges, speed_mps, ahead };
-                    Variant::fastest().run(Faded { part, window, under, from, fields });
+                    let leg = leg.map(|leg| (leg, time_s));
+                    Variant::fastest().run(Faded { part, window, leg, under, from, fields });
                 }
             }
             ix += len;
@@ -228,26 +238,37 @@ struct Edges {
     astern_m: Vec<f64>,
     value: Vec<f64>,
     rate_per_m: Vec<f64>,
-    bend_per_m2: Vec<f64>,
+    rate_per_s: Vec<f64>,
+    bend_per_m_s: Vec<f64>,
+    bend_per_s2: Vec<f64>,
 }
 
 impl Edges {
     fn with_room(facets: usize) -> Self {
         let room = || Vec::with_capacity(facets);
-        Self { astern_m: room(), value: room(), rate_per_m: room(), bend_per_m2: room() }
+        Self {
+            astern_m: room(),
+            value: room(),
+            rate_per_m: room(),
+            rate_per_s: room(),
+            bend_per_m_s: room(),
+            bend_per_s2: room(),
+        }
     }
 
     #[inline(always)]
-    fn find(&mut self, of: impl Fn(f64) -> Edge) {
+    fn find(&mut self, of: impl Fn(f64) -> Moving) {
         let len = self.astern_m.len();
-        let Self { astern_m, value, rate_per_m, bend_per_m2 } = self;
-        for row in [&mut *value, rate_per_m, bend_per_m2] {
+        let Self { astern_m, value, rate_per_m, rate_per_s, bend_per_m_s, bend_per_s2 } = self;
+        for row in [&mut *value, rate_per_m, rate_per_s, bend_per_m_s, bend_per_s2] {
             row.resize(len, 0.0);
         }
-        let (rates, bends) = (&mut rate_per_m[..len], &mut bend_per_m2[..len]);
+        let (per_m, per_s) = (&mut rate_per_m[..len], &mut rate_per_s[..len]);
+        let (per_m_s, per_s2) = (&mut bend_per_m_s[..len], &mut bend_per_s2[..len]);
         for (i, (value, astern_m)) in value.iter_mut().zip(&*astern_m).enumerate() {
             let edge = of(*astern_m);
-            (*value, rates[i], bends[i]) = (edge.value, edge.rate_per_m, edge.bend_per_m2);
+            (*value, per_m[i], per_s[i]) = (edge.value, edge.rate_per_m, edge.rate_per_s);
+            (per_m_s[i], per_s2[i]) = (edge.bend_per_m_s, edge.bend_per_s2);
         }
     }
 }
@@ -307,6 +328,7 @@ fn sum<T: Real>(field: &mut [T], from: usize, plane: &[Complex<T>], of: impl Fn(
 struct Faded<'a, T: Real> {
     part: Part,
     window: Window,
+    leg: Option<(LegWindow, f64)>,
     under: Under<'a, T>,
     from: usize,
     fields: &'a mut Fields<T>,
@@ -340,14 +362,13 @@ impl<T: Real> Under<'_, T> {
 
     #[inline(always)]
     fn velocity_mps(&self, i: usize, own: f64, path_m: f64) -> f64 {
-        self.edges.value[i] * own + self.edges.rate_per_m[i] * self.speed_mps * path_m
+        self.edges.value[i] * own + self.edges.rate_per_s[i] * path_m
     }
 
     #[inline(always)]
     fn acceleration_mps2(&self, i: usize, own: f64, velocity_mps: f64, path_m: f64) -> f64 {
-        let Edges { value, rate_per_m, bend_per_m2, .. } = &*self.edges;
-        let (rate, bend) = (rate_per_m[i] * self.speed_mps, bend_per_m2[i] * self.speed_mps);
-        value[i] * own + 2.0 * rate * velocity_mps + bend * self.speed_mps * path_m
+        let Edges { value, rate_per_s, bend_per_s2, .. } = &*self.edges;
+        value[i] * own + 2.0 * rate_per_s[i] * velocity_mps + bend_per_s2[i] * path_m
     }
 
     #[inline(always)]
@@ -359,8 +380,8 @@ impl<T: Real> Under<'_, T> {
 
     #[inline(always)]
     fn slope_rate_per_s(&self, i: usize, axis: usize) -> f64 {
-        let Edges { value, rate_per_m, bend_per_m2, .. } = &*self.edges;
-        let (rate, bend) = (rate_per_m[i] * self.speed_mps, bend_per_m2[i] * self.speed_mps);
+        let Edges { value, rate_per_m, rate_per_s, bend_per_m_s, .. } = &*self.edges;
+        let (rate, bend) = (rate_per_s[i], bend_per_m_s[i]);
         let bent = rate_per_m[i] * -self.along(Pair::Slope, i) + bend * self.height_m(i);
         value[i] * self.pair(Pair::SlopeRate, i)[axis] + rate * self.pair(Pair::Slope, i)[axis]
             - self.ahead[axis] * bent
@@ -372,12 +393,15 @@ impl<T: Real> Task for Faded<'_, T> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { part, window, under, from, fields } = self;
+        let Self { part, window, leg, under, from, fields } = self;
+        let speed_mps = under.speed_mps;
         let len = under.edges.astern_m.len();
-        if part == Part::Bow {
-            under.edges.find(|astern_m| window.bow::<T>(astern_m));
-        } else {
-            under.edges.find(|astern_m| window.end::<T>(astern_m));
+        match (leg, part) {
+            (Some((leg, time_s)), _) => under
+                .edges
+                .find(|astern_m| leg.under(&window.rounded_at::<T>(astern_m), time_s, astern_m, speed_mps)),
+            (None, Part::Bow) => under.edges.find(|astern_m| window.bow::<T>(astern_m).moving(speed_mps)),
+            (None, _) => under.edges.find(|astern_m| window.end::<T>(astern_m).moving(speed_mps)),
         }
         let of = &under;
         put(&mut fields.height_m, from, len, |i| of.edges.value[i] * of.height_m(i));
@@ -434,7 +458,7 @@ fn astern_range_m(pose: &Pose, patch: &Patch) -> [f64; 2] {
 }
 
 /// Whether some facet may have waves.
-fn touches(wake: &Wake, pose: &Pose, patch: &Patch) -> bool {
+fn touches(wake: &Wake, (pose, time_s): (&Pose, f64), patch: &Patch) -> bool {
     let window = wake.window();
     let half_m = window.half_m();
     let [nearest_m, furthest_m] = astern_range_m(pose, patch);
@@ -446,14 +470,20 @@ fn touches(wake: &Wake, pose: &Pose, patch: &Patch) -> bool {
             && side_m.iter().any(|side| *side > -aside_m)
             && side_m.iter().any(|side| *side < aside_m)
     });
-    !wake.nodes().is_empty() && (half_m < 0.0 || furthest_m > -half_m) && before_the_end
+    let on_leg = wake.leg().is_none_or(|leg| {
+        let [from_m, to_m] = leg.range_m(time_s, wake.course().speed_mps);
+        furthest_m > from_m && nearest_m < to_m && to_m > -half_m
+    });
+    !wake.nodes().is_empty() && on_leg && (half_m < 0.0 || furthest_m > -half_m) && before_the_end
 }
 
 /// Whether some facet may be under the edge of the window, or ahead of it.
 fn edge_crosses(wake: &Wake, pose: &Pose, patch: &Patch) -> bool {
     let [nearest_m, furthest_m] = astern_range_m(pose, patch);
     let window = wake.window();
-    nearest_m < window.half_m() || window.fade_m().is_some_and(|[from_m, _]| furthest_m > from_m)
+    wake.leg().is_some()
+        || nearest_m < window.half_m()
+        || window.fade_m().is_some_and(|[from_m, _]| furthest_m > from_m)
 }
 
 /// Which of the caller's fields are there.

@@ -1,5 +1,5 @@
-//! Ship wakes: Kelvin waves on a straight or slowly turning course, and the turbulent wake (the strip) behind
-//! the stern.
+//! Ship wakes: Kelvin waves on a straight or slowly turning course or along a track, and the turbulent wake
+//! (the strip) behind the stern.
 //!
 //! | page | holds |
 //! | --- | --- |
@@ -7,6 +7,7 @@
 //! | [`wigley`] | amplitude of the waves of a Wigley hull, in closed form |
 //! | [`course`] | where a ship is, and how much it may turn |
 //! | [`nodes`] | the waves of a ship as a finite sum: how many, which, and the band limit of a map |
+//! | [`leg`] | waves of a ship that turns: those of straight legs, cross-faded |
 //! | [`upstream`] | no waves ahead of the bow |
 //! | [`free_waves`] | the wake of one ship; all fields at a point, summed wave by wave |
 //! | [`nonuniform`] | sums of arbitrary plane waves on a grid of facets, by FFT |
@@ -14,6 +15,7 @@
 //! | [`short_waves`] | the waves that a map leaves out, as a local spectrum within its facets |
 //! | [`short_wave_nodes`] | the same on nodes, fast |
 //! | [`turbulent`] | the strip of damped small waves |
+//! | [`track_line`] | the track on which a ship leaves it |
 //!
 //! A hull enters through the complex amplitude of its free waves, `A(theta)` in metres, as a function of
 //! `tan theta`; theta is the angle of a wave's direction from the course.
@@ -43,11 +45,13 @@ pub mod cut;
 pub mod fault;
 pub mod free_waves;
 pub mod kochin;
+pub mod leg;
 pub mod map;
 pub mod nodes;
 pub mod nonuniform;
 pub mod short_wave_nodes;
 pub mod short_waves;
+pub mod track_line;
 pub mod turbulent;
 pub mod upstream;
 pub mod wigley;
@@ -55,10 +59,12 @@ pub mod wigley;
 pub use course::{Course, Reach};
 pub use fault::WakeError;
 pub use free_waves::{Presence, Settings, Wake};
+pub use leg::{Leg, LegWindow};
 pub use map::Map;
 pub use nodes::Band;
 pub use short_wave_nodes::ShortWaveNodes;
 pub use short_waves::ShortWaves;
+pub use track_line::TrackLine;
 pub use turbulent::TurbulentStrip;
 pub use upstream::Upstream;
 pub use wigley::Wigley;

@@ -15,7 +15,8 @@
 //! [`kind::turbulent_wake`](crate::scattering::kind::turbulent_wake)'s affair; heights stay as they are.
 //!
 //! Limits: W as full width is a reading of the source; the strip follows a straight course (see
-//! [`course`](super::course)); of several strips that which covers most of a facet decides.
+//! [`course`](super::course)) or a [track](super::track_line); of several strips that which covers most of a
+//! facet decides.
 //!
 //! ```
 //! use nereus::sea::wake::TurbulentStrip;
@@ -80,6 +81,11 @@ impl TurbulentStrip {
         }
         let place = behind_stern_m / (PLACE_IN_LENGTHS * self.length_m);
         WIDTH_IN_BEAMS * self.beam_m * place.powf(self.exponent.recip())
+    }
+
+    /// Distance astern of midship beyond which it is forgotten, m.
+    pub fn end_m(&self) -> f64 {
+        0.5 * self.length_m + FORGOTTEN * self.decay_m
     }
 
     /// Distance from the course beyond which nothing is covered, m, at any distance astern of midship up to

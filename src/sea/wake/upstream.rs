@@ -69,8 +69,10 @@ pub struct Window {
 pub enum Part {
     /// All waves.
     Open,
-    /// None.
-    Closed,
+    /// None, ahead.
+    Ahead,
+    /// None, astern.
+    Astern,
     /// They begin, about the ship.
     Bow,
     /// They fade.
@@ -115,7 +117,7 @@ impl Window {
     pub fn rounded_at<T: Real>(&self, astern_m: f64) -> Edge {
         match self.part(astern_m) {
             Part::Open => Edge::OPEN,
-            Part::Closed => Edge::CLOSED,
+            Part::Ahead | Part::Astern => Edge::CLOSED,
             Part::Bow => self.bow::<T>(astern_m),
             Part::End => self.end::<T>(astern_m),
         }
@@ -125,10 +127,10 @@ impl Window {
     #[inline]
     pub fn part(&self, astern_m: f64) -> Part {
         match self.fade_m {
-            Some([_, to_m]) if astern_m >= to_m => Part::Closed,
+            Some([_, to_m]) if astern_m >= to_m => Part::Astern,
             Some([from_m, _]) if astern_m > from_m => Part::End,
             _ if self.half_m < 0.0 || astern_m >= self.half_m => Part::Open,
-            _ if astern_m <= -self.half_m => Part::Closed,
+            _ if astern_m <= -self.half_m => Part::Ahead,
             _ => Part::Bow,
         }
     }
@@ -171,11 +173,62 @@ impl Edge {
     /// No waves.
     pub const CLOSED: Self = Self { value: 0.0, rate_per_m: 0.0, bend_per_m2: 0.0 };
 
+    /// The window of a ship of speed V, m/s, with its rates at a fixed place.
+    #[inline(always)]
+    pub fn moving(&self, speed_mps: f64) -> Moving {
+        let bend_per_m_s = self.bend_per_m2 * speed_mps;
+        Moving {
+            value: self.value,
+            rate_per_m: self.rate_per_m,
+            rate_per_s: self.rate_per_m * speed_mps,
+            bend_per_m_s,
+            bend_per_s2: bend_per_m_s * speed_mps,
+        }
+    }
+
     /// Waves under the window, for a ship of speed V, m/s, with a unit vector ahead.
     pub fn apply(&self, waves: &Sample, speed_mps: f64, ahead: [f64; 2]) -> Sample {
-        let w = self.value;
-        let rate = self.rate_per_m * speed_mps;
-        let bend = self.bend_per_m2 * speed_mps;
+        self.moving(speed_mps).apply(waves, ahead)
+    }
+}
+
+/// A window on the distance x astern and on time, and its derivatives by x and by the time at a fixed place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moving {
+    /// `w`.
+    pub value: f64,
+    /// By x, 1/m.
+    pub rate_per_m: f64,
+    /// By time, 1/s.
+    pub rate_per_s: f64,
+    /// By both, 1/(m s).
+    pub bend_per_m_s: f64,
+    /// By time twice, 1/s^2.
+    pub bend_per_s2: f64,
+}
+
+impl Moving {
+    /// The product of two.
+    #[inline(always)]
+    pub fn times(&self, other: &Self) -> Self {
+        let (a, b) = (self, other);
+        Self {
+            value: a.value * b.value,
+            rate_per_m: a.rate_per_m * b.value + a.value * b.rate_per_m,
+            rate_per_s: a.rate_per_s * b.value + a.value * b.rate_per_s,
+            bend_per_m_s: a.bend_per_m_s * b.value
+                + a.rate_per_m * b.rate_per_s
+                + a.rate_per_s * b.rate_per_m
+                + a.value * b.bend_per_m_s,
+            bend_per_s2: a.bend_per_s2 * b.value
+                + 2.0 * a.rate_per_s * b.rate_per_s
+                + a.value * b.bend_per_s2,
+        }
+    }
+
+    /// Waves under the window, with a unit vector ahead.
+    pub fn apply(&self, waves: &Sample, ahead: [f64; 2]) -> Sample {
+        let Self { value: w, rate_per_m, rate_per_s: rate, bend_per_m_s: bend, bend_per_s2 } = *self;
         let z = waves.height_m;
         let uz = waves.velocity_mps[2];
         let [dx, dy] = waves.displacement_m;
@@ -185,14 +238,14 @@ impl Edge {
             let u = waves.velocity_mps[axis];
             sample.velocity_mps[axis] = w * u + rate * along;
             sample.acceleration_mps2[axis] =
-                w * waves.acceleration_mps2[axis] + 2.0 * rate * u + bend * speed_mps * along;
+                w * waves.acceleration_mps2[axis] + 2.0 * rate * u + bend_per_s2 * along;
         }
         for (axis, f) in ahead.into_iter().enumerate() {
             let s = waves.slope[axis];
             sample.displacement_m[axis] = w * path[axis];
-            sample.slope[axis] = w * s - f * self.rate_per_m * z;
+            sample.slope[axis] = w * s - f * rate_per_m * z;
             sample.slope_rate_per_s[axis] =
-                w * waves.slope_rate_per_s[axis] + rate * s - f * (self.rate_per_m * uz + bend * z);
+                w * waves.slope_rate_per_s[axis] + rate * s - f * (rate_per_m * uz + bend * z);
         }
         sample
     }

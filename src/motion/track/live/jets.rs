@@ -5,8 +5,8 @@ use std::time::Instant;
 use glam::{DVec3, DVec4};
 
 use crate::motion::attitude::Turn;
-use crate::motion::hermite::Basis;
 use crate::motion::track::fit::Node;
+use crate::scene::hermite::Basis;
 use crate::time::TimeTag;
 
 /// Acceleration with which a path goes back to its fixes, m/s^2.

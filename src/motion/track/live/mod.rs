@@ -4,7 +4,7 @@
 //! which none is altered, joined by quintic segments as in a recorded track ([`crate::motion::track`]).
 //!
 //! * **Interpolated.** A node is the fix itself, its derivatives those of the polynomial through its seven
-//!   nearest fixes ([`crate::motion::hermite`]); it is reported once the three fixes after it have come (six
+//!   nearest fixes ([`crate::scene::hermite`]); it is reported once the three fixes after it have come (six
 //!   where the attitude follows the motion), and is then, bit for bit, the node of a file with the same
 //!   fixes. The **support** of the interpolant is thus four fixes (seven) after the instant.
 //! * **Extrapolated** ([`LiveTrack::extend`]). Where an instant cannot wait: fixes at hand become nodes with
@@ -58,10 +58,10 @@ use thiserror::Error;
 
 use self::path::{Entry, Grown};
 use crate::frames::{Enu, Point, SceneFrame, Vector};
-use crate::motion::hermite::STENCIL;
 use crate::motion::place::position;
 use crate::motion::track::State;
 use crate::nav::{AttitudeSource, Fix};
+use crate::scene::hermite::STENCIL;
 use crate::time::TimeTag;
 
 /// How long the path is kept behind its end, s: more than any servo lag or latency of a report.

@@ -9,13 +9,13 @@ use super::jets::{Back, Jets, Rests, Step, beside};
 use super::{KEPT_S, Reported, Shared, Unusable, follows_motion};
 use crate::frames::{Enu, Point, Rotation, Vector};
 use crate::motion::attitude::{Turn, turn};
-use crate::motion::hermite::{STENCIL, stencil};
 use crate::motion::place::to_local_axes;
 use crate::motion::track::State;
 use crate::motion::track::fit::{Node, exact_node};
 use crate::motion::track::recorded::{NoAttitude, attitude_of, between};
 use crate::nav::{AttitudeSource, Fix};
 use crate::pulse::flags;
+use crate::scene::hermite::{STENCIL, stencil};
 use crate::time::TimeTag;
 
 /// Fixes whose polynomial gives the derivatives where no more are there.

@@ -17,7 +17,7 @@
 //! O(h^6), the second to O(h^5), whatever the spacing.
 //!
 //! ```
-//! use nereus::motion::hermite::Basis;
+//! use nereus::scene::hermite::Basis;
 //! // t^5 over [1, 3] from its end values: exact to rounding.
 //! let (h, s) = (2.0, 0.3);
 //! let basis = Basis::at(s, h);

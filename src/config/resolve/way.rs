@@ -1,0 +1,199 @@
+//! How ships and targets move that do not go straight on: recorded tracks and waypoints.
+
+use super::Ground;
+use super::platform;
+use crate::config::choices::{HeightsKind, WayKind};
+use crate::config::error::Problem;
+use crate::config::keys::{Key, track, way as k};
+use crate::config::section::Section;
+use crate::frames::{Geodetic, Vector};
+use crate::motion::{Track, waypoints};
+use crate::nav::{FileFormat, FileSource, TrackSource};
+use crate::scene::Trajectory;
+use crate::scene::ship::Sailed;
+use crate::scene::trajectory::Knot;
+use crate::time::TimeTag;
+
+/// Slowest ship on a track, m/s: slower ones have no course to head along.
+pub(super) const SLOWEST_MPS: f64 = 0.1;
+
+/// When pulse 0 is emitted, where that is written, and how long the run lasts.
+#[derive(Clone, Copy)]
+pub(super) struct Run {
+    pub(super) start: Option<TimeTag>,
+    pub(super) duration_s: Option<f64>,
+}
+
+/// What moves.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Mover {
+    Ship,
+    /// Its height above the sea, where that is sound.
+    Target(Option<f64>),
+}
+
+/// The trajectory of a table `track`.
+pub(super) fn way(section: Section<'_>, ground: &Ground, run: Run, mover: Mover) -> Option<Trajectory> {
+    let kind = section.choice(&k::KIND);
+    let heights = section.choice(&k::HEIGHTS);
+    if mover == Mover::Ship && heights == Some(HeightsKind::Recorded) {
+        let error = "a ship sails on the sea; allowed: heights = \"sea\"".to_owned();
+        section.fault(&k::HEIGHTS, Problem::Refused { error });
+    }
+    let knots = match kind {
+        Some(WayKind::Waypoints) => {
+            if heights == Some(HeightsKind::Recorded) {
+                section.idle(&[&k::HEIGHTS], "waypoints have no heights");
+            }
+            through_waypoints(&section, ground).map(|knots| (knots, true))
+        }
+        Some(WayKind::Recorded(format)) => {
+            let on_sea = heights != Some(HeightsKind::Recorded);
+            recorded(&section, ground, run, (format, on_sea)).map(|knots| (knots, on_sea))
+        }
+        None => None,
+    };
+    let found = knots.and_then(|(knots, on_sea)| {
+        let height_m = match mover {
+            Mover::Ship => Some(0.0),
+            Mover::Target(height_m) => height_m,
+        };
+        let knots = if on_sea { at_height(ground, knots, height_m?) } else { knots };
+        let trajectory = Trajectory::new(knots);
+        if trajectory.is_none() {
+            let error = "its knots do not follow each other in time".to_owned();
+            section.fault(&k::KIND, Problem::Refused { error });
+        }
+        trajectory.filter(|way| mover != Mover::Ship || is_under_way(&section, &k::KIND, way))
+    });
+    section.finish();
+    found
+}
+
+/// The slowest speed on a way, m/s, and when that is, s after pulse 0.
+pub(super) fn slowest(way: &Trajectory) -> Option<(f64, f64)> {
+    let speed_mps = |time_s: f64| {
+        let [vx, vy] = Sailed::on(way, time_s, [1.0, 0.0]).velocity_mps;
+        (vx.hypot(vy), time_s)
+    };
+    let inside = |pair: &[Knot]| {
+        let step_s = (pair[1].time_s - pair[0].time_s) / 8.0;
+        (0..=8).map(|n| speed_mps(pair[0].time_s + step_s * f64::from(n))).collect::<Vec<_>>()
+    };
+    way.knots().windows(2).flat_map(inside).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// Whether a ship is nowhere slower than one that has a course; a fault otherwise.
+fn is_under_way(section: &Section<'_>, key: &Key, way: &Trajectory) -> bool {
+    let Some((slowest_mps, time_s)) = slowest(way).filter(|(slowest_mps, _)| *slowest_mps < SLOWEST_MPS)
+    else {
+        return true;
+    };
+    let error = format!(
+        "the ship makes {slowest_mps:.3} m/s {time_s:.1} s after pulse 0, too slow to head anywhere; \
+         allowed: {SLOWEST_MPS} m/s or more throughout, or a ship without track at speed_mps = 0"
+    );
+    section.fault(key, Problem::Refused { error });
+    false
+}
+
+/// Knots at a constant height above the mean sea.
+pub(super) fn at_height(ground: &Ground, knots: Vec<Knot>, height_m: f64) -> Vec<Knot> {
+    let earth = ground.frame.earth();
+    let lifted = |knot: Knot| {
+        let ([x, y, _], [vx, vy, _], [ax, ay, _]) =
+            (knot.position.to_array(), knot.velocity.to_array(), knot.acceleration.to_array());
+        let fall = earth.drop_slope(x, y);
+        // A paraboloid: its slope is linear.
+        let bent = earth.drop_slope(vx, vy);
+        Knot {
+            position: ground.frame.above_sea(x, y, height_m),
+            velocity: Vector::new(vx, vy, -(fall[0] * vx + fall[1] * vy)),
+            acceleration: Vector::new(ax, ay, -(fall[0] * ax + fall[1] * ay + bent[0] * vx + bent[1] * vy)),
+            ..knot
+        }
+    };
+    knots.into_iter().map(lifted).collect()
+}
+
+fn through_waypoints(section: &Section<'_>, ground: &Ground) -> Option<Vec<Knot>> {
+    let written = section.exactly_one(&[&k::WAYPOINTS_M, &k::WAYPOINTS_DEG]);
+    let (local, geodetic) = (section.points(&k::WAYPOINTS_M), section.points(&k::WAYPOINTS_DEG));
+    let (speed_mps, radius_m) = (section.number(&k::SPEED_MPS), section.number(&k::TURN_RADIUS_M));
+    let begin_s = section.number(&k::BEGIN_S);
+    let key = written?;
+    if section.has(&k::WAYPOINTS_DEG) && !ground.geodetic_allowed() {
+        section.fault(&k::WAYPOINTS_DEG, Problem::NeedsOrigin);
+        return None;
+    }
+    let on_earth = |points: Vec<[f64; 2]>| {
+        let sea_m = ground.origin_h_m?;
+        if let Some(index) = points.iter().position(|[lat_deg, _]| lat_deg.abs() > 90.0) {
+            let found = format!("entry {index}, {:?},", points[index]);
+            let allowed = "pairs [latitude, longitude], latitudes from -90 to 90 deg".to_owned();
+            section.fault(&k::WAYPOINTS_DEG, Problem::Range { found, allowed });
+            return None;
+        }
+        let place = |[lat_deg, lon_deg]: [f64; 2]| {
+            let [x, y, _] =
+                ground.frame.from_geodetic(Geodetic::from_deg(lat_deg, lon_deg, sea_m))?.to_array();
+            Some([x, y])
+        };
+        points.into_iter().map(place).collect::<Option<Vec<_>>>()
+    };
+    let points = local.or_else(|| geodetic.and_then(on_earth))?;
+    match waypoints::knots(&points, speed_mps?, radius_m?, begin_s?) {
+        Ok(knots) => Some(knots),
+        Err(fault) => {
+            section.fault(key, Problem::Refused { error: fault.to_string() });
+            None
+        }
+    }
+}
+
+fn recorded(
+    section: &Section<'_>,
+    ground: &Ground,
+    run: Run,
+    (format, on_sea): (FileFormat, bool),
+) -> Option<Vec<Knot>> {
+    let format = match format {
+        FileFormat::Sbet { .. } => {
+            let week = section.count(&track::GPS_WEEK).and_then(|week| u32::try_from(week).ok());
+            FileFormat::Sbet { gps_week: week? }
+        }
+        format => format,
+    };
+    if on_sea && section.has(&k::DATUM) {
+        section.idle(&[&k::DATUM, &k::BAROMETRIC_OFFSET_M], "heights = \"sea\"");
+    }
+    let source: FileSource = platform::recording(section, ground, format, on_sea)?;
+    if section.reader().is_left_aside(&source.path) {
+        return None;
+    }
+    let Some(start) = run.start else {
+        section.fault(&k::PATH, Problem::NeedsStart);
+        return None;
+    };
+    let fault = |error: String| {
+        section.fault(&k::PATH, Problem::Refused { error });
+        None
+    };
+    if !(ground.sound) {
+        return None;
+    }
+    let path = source.path.display().to_string();
+    let knots = match Track::from_source(&TrackSource::File(source), &ground.frame, start) {
+        Ok((track, _)) => track.knots(start)?,
+        Err(error) => return fault(error.to_string()),
+    };
+    let (first_s, last_s) = (knots.first()?.time_s, knots.last()?.time_s);
+    let duration_s = run.duration_s?;
+    if first_s > 0.0 || last_s < duration_s {
+        return fault(format!(
+            "{path} covers {first_s:.3} to {last_s:.3} s after pulse 0, the run 0 to {duration_s} s; allowed: \
+             a recording that covers the run (scene.start_utc, scene.duration_s)"
+        ));
+    }
+    Some(knots)
+}

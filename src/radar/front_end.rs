@@ -1,0 +1,180 @@
+//! The front end of a receiver that is not ideal: what its samples are before the converter.
+//!
+//! Of the samples `s_j` that an ideal receiver would have (noise included), taken at `t_j` after the
+//! emission:
+//!
+//! 1. **Jitter of the sampling clock.** The sample is taken `d_j` late, `d_j` normal of deviation `sigma`,
+//!    independent from sample to sample, the same in all channels of a pulse: to first order
+//!    `s_j <- (s_j + s'(t_j) d_j) e^{j 2 pi f_IF d_j}`, with `s'` from `j 2 pi f S(f)`. A tone at `f` from
+//!    the carrier then has the ratio `-20 log10(2 pi |f + f_IF| sigma)` of signal to noise.
+//! 2. **Blanking.** 0 while the radar transmits, and for a while after: `0 <= t - T_k < T_c + T_r` for any
+//!    emission `T_k`, in channels whose transmitter and receiver are on the same platform.
+//! 3. **Sensitivity time control.** `s_j <- s_j g`, `g^2 = max((t/T)^n, depth)` for `t < T` after the last
+//!    emission, else 1.
+//! 4. **Imbalance and offset.** `I <- r^{1/2} I + o_I`, `Q <- r^{-1/2} (Q cos phi + I sin phi) + o_Q`, `r`
+//!    the ratio of the amplitudes: `s <- alpha s + beta s* + o`,
+//!
+//! `alpha = (r^{1/2} + r^{-1/2} e^{j phi})/2` , `beta = (r^{1/2} - r^{-1/2} e^{-j phi})/2` ,
+//!
+//! so the image of a tone lies `|alpha/beta|^2 = (r + 1/r + 2 cos phi)/(r + 1/r - 2 cos phi)` below it.
+//!
+//! Numbers of pulse `n` come from the stream (seed, sampling jitter, n) alone. Limits: jitter to first order
+//! (of a relative error `(2 pi f sigma)^2/2`), and white; imbalance that does not depend on frequency; the
+//! gain of the control changes at once; emissions beyond the end of the run blank as others do.
+//!
+//! ```
+//! use nereus::radar::front_end::imbalance;
+//! let [alpha, beta] = imbalance(1.0, 5f64.to_radians());
+//! // 1 dB and 5 degrees: 22.8 dB.
+//! let ratio_db = 20.0 * (alpha.norm() / beta.norm()).log10();
+//! assert!((ratio_db - 22.8).abs() < 0.05, "{ratio_db}");
+//! ```
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::pulse::Pulse;
+use crate::rng::{Room, stream};
+use crate::scene::Radar;
+use crate::scene::front_end::{Jitter, Stc};
+use crate::time::PulseTimes;
+
+/// Prepared for the channels of a radar.
+#[derive(Clone, Debug)]
+pub struct FrontEnd {
+    seed: u64,
+    sample_rate_hz: f64,
+    /// What is left of a sample, and its image; `None` without imbalance.
+    imbalance: Option<[Complex64; 2]>,
+    offset: Complex64,
+    stc: Option<Stc>,
+    jitter: Option<Jitter>,
+    /// From the begin of an emission on, s.
+    blanked_s: Option<f64>,
+    emissions: PulseTimes,
+    /// Of each channel, the window of its receiver, and whether its transmitter stands beside it.
+    channels: Vec<(usize, bool)>,
+}
+
+/// `alpha` and `beta` of a ratio of the gains of I and Q, dB, and an error of phase, rad.
+pub fn imbalance(gain_db: f64, phase_rad: f64) -> [Complex64; 2] {
+    let root = 10f64.powf(gain_db / 40.0);
+    let turned = Complex64::from_polar(root.recip(), phase_rad);
+    [0.5 * (root + turned), 0.5 * (root - turned.conj())]
+}
+
+/// Gain of sensitivity time control at a time after the last emission, of amplitudes.
+pub fn stc_gain(stc: &Stc, after_s: f64) -> f64 {
+    if after_s >= stc.full_s {
+        return 1.0;
+    }
+    let least = 10f64.powf(-stc.depth_db / 20.0);
+    (after_s.max(0.0) / stc.full_s).powf(0.5 * stc.exponent).max(least)
+}
+
+impl FrontEnd {
+    /// That of a radar whose pulses last so long; `None` where it is ideal.
+    pub fn new(radar: &Radar, seed: u64, pulse_s: f64) -> Option<Self> {
+        let of = &radar.front_end;
+        if of.is_ideal() {
+            return None;
+        }
+        let windows = radar.window_leads().len();
+        let channel = |channel: &crate::scene::radar::Channel| {
+            let platform = radar.transmitters.get(channel.transmitter).map(|end| end.antenna.platform);
+            let beside = platform == radar.receivers.get(channel.receiver).map(|end| end.antenna.platform);
+            (if windows > 1 { channel.receiver } else { 0 }, beside)
+        };
+        let balanced = of.iq_gain_db == 0.0 && of.iq_phase_rad == 0.0;
+        Some(Self {
+            seed,
+            sample_rate_hz: radar.sample_rate_hz,
+            imbalance: (!balanced).then(|| imbalance(of.iq_gain_db, of.iq_phase_rad)),
+            offset: Complex64::new(of.offset[0], of.offset[1]),
+            stc: of.stc,
+            jitter: of.jitter,
+            blanked_s: of.blanked_s.map(|after_s| pulse_s + after_s),
+            emissions: radar.emissions.clone(),
+            channels: radar.channels.iter().map(channel).collect(),
+        })
+    }
+
+    /// Whether it needs the derivative of what it samples.
+    pub fn jitters(&self) -> bool {
+        self.jitter.is_some()
+    }
+
+    /// Samples of a channel of a pulse before the converter, `scale` of which are sqrt(W); their derivatives,
+    /// 1/s, are asked for where it jitters.
+    pub fn apply(
+        &self,
+        pulse: &Pulse,
+        channel: usize,
+        scale: f64,
+        samples: &mut [Complex64],
+        derivatives: &[Complex64],
+    ) {
+        if let Some(Jitter { rms_s, intermediate_hz }) = self.jitter {
+            let mut numbers = stream(self.seed, Room::SamplingJitter, pulse.index, 0);
+            for (sample, derivative) in samples.iter_mut().zip(derivatives) {
+                let normal: f64 = StandardNormal.sample(&mut numbers);
+                let late_s = rms_s * normal;
+                *sample = (*sample + derivative * late_s) * Complex64::cis(TAU * intermediate_hz * late_s);
+            }
+        }
+        if self.blanked_s.is_some() || self.stc.is_some() {
+            self.gate(pulse, channel, samples);
+        }
+        if let Some([alpha, beta]) = self.imbalance {
+            for sample in samples.iter_mut() {
+                *sample = alpha * *sample + beta * sample.conj();
+            }
+        }
+        if self.offset != Complex64::ZERO {
+            let offset = self.offset / scale;
+            samples.iter_mut().for_each(|sample| *sample += offset);
+        }
+    }
+
+    /// Blanking and sensitivity time control.
+    fn gate(&self, pulse: &Pulse, channel: usize, samples: &mut [Complex64]) {
+        let (window, beside) = self.channels.get(channel).copied().unwrap_or((0, true));
+        let starts = pulse.window_starts_s();
+        let open_s = starts.get(window).or(starts.first()).copied().unwrap_or(0.0);
+        let blanked_s = self.blanked_s.filter(|_| beside);
+        // The last emission before a sample; the window may open after the next one.
+        let (mut last_s, mut next) = (0.0, 1);
+        let mut next_s = self.emissions.interval_s(pulse.index, pulse.index.saturating_add(1));
+        for (j, sample) in samples.iter_mut().enumerate() {
+            let t_s = open_s + j as f64 / self.sample_rate_hz;
+            while t_s >= next_s {
+                last_s = next_s;
+                next += 1;
+                next_s = self.emissions.interval_s(pulse.index, pulse.index.saturating_add(next));
+            }
+            let after_s = t_s - last_s;
+            if blanked_s.is_some_and(|blanked_s| (0.0..blanked_s).contains(&after_s)) {
+                *sample = Complex64::ZERO;
+            } else if let Some(stc) = &self.stc {
+                *sample *= stc_gain(stc, after_s);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gain_grows_by_its_law() {
+        let stc = Stc { full_s: 40e-6, exponent: 4.0, depth_db: 60.0 };
+        let db = |after_s: f64| 20.0 * stc_gain(&stc, after_s).log10();
+        assert_eq!((db(40e-6), db(1.0), db(0.0), db(-1.0)), (0.0, 0.0, -60.0, -60.0));
+        // R^4: 12 dB an octave.
+        assert!((db(20e-6) + 40.0 * 2f64.log10()).abs() < 1e-12);
+        assert!((db(4e-6) + 40.0).abs() < 1e-12 && db(1e-6) == -60.0);
+    }
+}
