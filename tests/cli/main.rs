@@ -3,6 +3,7 @@
 
 mod bench;
 mod continuous;
+mod doctor;
 #[path = "../support/cases.rs"]
 mod cases;
 #[cfg(unix)]
@@ -48,6 +49,7 @@ mod received_image;
 mod recorded_tracks;
 mod running;
 mod sea;
+mod shells;
 mod sea_check;
 #[cfg(unix)]
 mod setup_script;

@@ -85,6 +85,9 @@ fn small(line: &str) -> Vec<String> {
                 set(&mut words, "--pulses", "0..6");
             }
         }
+        "doctor" => {
+            set(&mut words, "--seconds", "0.1");
+        }
         "bench" => {
             set(&mut words, "--pulses", "6");
             set(&mut words, "--error-pulses", "1");
