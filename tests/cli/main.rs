@@ -47,6 +47,8 @@ mod python_tools;
 mod receive;
 mod received_image;
 mod recorded_tracks;
+#[cfg(target_os = "linux")]
+mod release;
 mod running;
 mod sea;
 mod shells;
