@@ -1,4 +1,4 @@
-"""The manuals: blocks of docs/python.md and docs/scale-out.md, in order."""
+"""The front page and the manuals: blocks of README.md, docs/python.md and docs/scale-out.md, in order."""
 
 import os
 
@@ -22,6 +22,14 @@ def run(name, count, space):
     for block in blocks[:count]:
         line = page[: page.index(block)].count("\n")
         exec(compile("\n" * line + block, name, "exec"), space)
+
+
+def test_the_front_page_runs(folder, capsys):
+    assert (ROOT / "README.md").read_text().count("```py\n") == 1
+    run("README.md", 1, {})
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == [str(pulse) for pulse in range(20)]
+    assert all(line.endswith(" us after the emission") for line in lines)
 
 
 def test_the_manual_runs(folder):

@@ -26,6 +26,7 @@ pub mod cost;
 pub mod fit;
 pub mod fit_trials;
 pub mod gather;
+pub mod lateness;
 pub mod plan;
 pub mod resources;
 pub mod settings;

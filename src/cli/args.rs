@@ -4,9 +4,12 @@ use clap::{Parser, Subcommand};
 
 use super::bench::BenchArgs;
 use super::check::CheckArgs;
+use super::completions::CompletionsArgs;
+use super::doctor::DoctorArgs;
 use super::export::ExportArgs;
 use super::fit::FitArgs;
 use super::focus::FocusArgs;
+use super::manpages::ManpagesArgs;
 use super::merge::MergeArgs;
 use super::monitor::MonitorArgs;
 use super::nav::NavArgs;
@@ -74,6 +77,12 @@ pub enum Command {
     Receive(ReceiveArgs),
     /// Inspect, convert, play and corrupt recorded navigation
     Nav(NavArgs),
+    /// Examine this machine: is it fit for real time, what would help, and how late pulses leave in a trial
+    Doctor(DoctorArgs),
+    /// Print a script by which a shell completes commands and options
+    Completions(CompletionsArgs),
+    /// Write a manual page for each command
+    Manpages(ManpagesArgs),
     /// Read a recording to the end under limits of time and memory: `focus`, `merge` and `ppi` call it
     #[command(hide = true)]
     ExamineRecording(ExamineArgs),

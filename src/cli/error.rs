@@ -253,6 +253,7 @@ causes! {
     PictureFile(PictureFileError): "A picture cannot be written.", |e| e.is_wrong_input();
     Inspection(crate::nav::inspection::InspectionError): "Recorded navigation cannot be read.", |_| true;
     Playback(crate::pipeline::playback::PlaybackError): "Navigation is not sent on.", |e| e.is_wrong_input();
+    Trial(crate::bench::lateness::TrialError): "Lateness cannot be tried.", |_| false;
     Device(crate::sinks::port::NotADevice): "A word names no device.", |_| true;
 }
 

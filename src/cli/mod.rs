@@ -6,6 +6,8 @@
 mod args;
 mod bench;
 mod check;
+mod completions;
+mod doctor;
 mod error;
 mod escape;
 mod export;
@@ -13,6 +15,7 @@ mod fit;
 mod focus;
 #[cfg(unix)]
 mod large_pages;
+mod manpages;
 mod merge;
 mod monitor;
 mod nav;
@@ -40,7 +43,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use crate::units::counted;
 
@@ -159,6 +162,9 @@ pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Re
         Command::Speckle(args) => speckle::speckle(args, out),
         Command::Receive(args) => receive::receive(args, out),
         Command::Nav(args) => nav::nav(args, out),
+        Command::Doctor(args) => doctor::doctor(args, out),
+        Command::Completions(args) => completions::completions(args, Arguments::command(), out),
+        Command::Manpages(args) => manpages::manpages(args, Arguments::command(), out),
         Command::ExamineRecording(args) => verify::examine_here(args),
     }
 }

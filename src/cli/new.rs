@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use std::io::Write;
 
 use super::error::CliError;
+use super::report::Report;
 use crate::config::manual;
 
 /// `nereus new`
@@ -13,6 +14,9 @@ pub struct NewArgs {
     /// What to print
     #[arg(value_enum, default_value_t = Template::Coastal)]
     pub kind: Template,
+    /// List what there is to print, a line each
+    #[arg(long, conflicts_with = "kind")]
+    pub list: bool,
 }
 
 /// What `nereus new` prints.
@@ -38,6 +42,7 @@ pub enum Template {
 /// Prints the template.
 pub(super) fn new(args: &NewArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let text = match args.kind {
+        _ if args.list => list(),
         Template::Coastal => include_str!("../../configs/coastal.toml").to_owned(),
         Template::Monostatic => include_str!("../../configs/monostatic.toml").to_owned(),
         Template::Spaceborne => include_str!("../../configs/spaceborne.toml").to_owned(),
@@ -47,4 +52,14 @@ pub(super) fn new(args: &NewArgs, out: &mut dyn Write) -> Result<(), CliError> {
         Template::Keys => manual::page(),
     };
     out.write_all(text.as_bytes()).map_err(CliError::Output)
+}
+
+/// The kinds, each with what it is.
+fn list() -> String {
+    let mut report = Report::default();
+    for kind in Template::value_variants().iter().filter_map(Template::to_possible_value) {
+        let help = kind.get_help().map(ToString::to_string).unwrap_or_default();
+        report.row(kind.get_name(), help);
+    }
+    report.text()
 }

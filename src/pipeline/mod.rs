@@ -45,3 +45,5 @@ mod single;
 pub mod stages;
 pub mod tracks;
 mod workers;
+
+pub(crate) use workers::yield_to_pacer;

@@ -23,7 +23,7 @@ const WORKER_PRIORITY: u8 = 23;
 
 /// Lowers the priority of a worker, so that the pacer runs as soon as its deadline wakes it. Where the system
 /// refuses, pulses are released later and the lateness shows it.
-pub(super) fn yield_to_pacer() {
+pub(crate) fn yield_to_pacer() {
     if let Ok(level) = WORKER_PRIORITY.try_into() {
         let _ = thread_priority::set_current_thread_priority(ThreadPriority::Crossplatform(level));
     }

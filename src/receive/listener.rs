@@ -20,7 +20,7 @@ use super::{Outlet, Receiver};
 pub use super::recording::Opener;
 
 /// Receive buffer that is asked for, bytes: the system may give less.
-const RECEIVE_BUFFER: usize = 16 << 20;
+pub(crate) const RECEIVE_BUFFER: usize = 16 << 20;
 /// Greatest datagram of UDP, and one byte to see that it is not longer.
 const DATAGRAM: usize = 65_536;
 /// How often the end is looked for.

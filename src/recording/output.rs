@@ -45,6 +45,8 @@ pub enum FileKind {
     Speckle,
     /// CRSD.
     Crsd,
+    /// Manual page, roff.
+    ManualPage,
 }
 
 impl FileKind {
@@ -56,6 +58,7 @@ impl FileKind {
             Self::Settings => *b"setting,",
             Self::Speckle => *b"psi_deg,",
             Self::Crsd => *b"CRSDsar/",
+            Self::ManualPage => *b".ie \\n(.",
         }
     }
 
@@ -75,6 +78,10 @@ impl FileKind {
                 let start = inputs::beginning(path, 4096).unwrap_or_default();
                 String::from_utf8_lossy(&start).contains("<ProductName>nereus ")
             }
+            Self::ManualPage => {
+                let start = inputs::beginning(path, 256).unwrap_or_default();
+                String::from_utf8_lossy(&start).contains(".TH nereus")
+            }
             _ => true,
         }
     }
@@ -87,6 +94,7 @@ impl FileKind {
             Self::Png => "PNG picture",
             Self::Hdf5 => "HDF5 file of this program",
             Self::SeaState => "saved sea",
+            Self::ManualPage => "manual page of this program",
         }
     }
 }

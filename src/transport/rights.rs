@@ -37,7 +37,7 @@ impl Right {
 
 /// Asks that this thread run at real-time priority: a woken thread of ordinary priority waits until those at
 /// work have had their slice, some milliseconds, nice or not.
-pub(super) fn run_ahead() -> Right {
+pub(crate) fn run_ahead() -> Right {
     Right::of(PRIORITY, fifo())
 }
 
@@ -47,7 +47,7 @@ pub(super) fn stay_on(core: usize) -> Right {
 }
 
 /// Asks that all memory taken so far stay where it is.
-pub(super) fn lock_memory() -> Right {
+pub(crate) fn lock_memory() -> Right {
     Right::of(MEMORY, locked())
 }
 

@@ -3,6 +3,7 @@
 
 mod bench;
 mod continuous;
+mod doctor;
 #[path = "../support/cases.rs"]
 mod cases;
 #[cfg(unix)]
@@ -46,8 +47,11 @@ mod python_tools;
 mod receive;
 mod received_image;
 mod recorded_tracks;
+#[cfg(target_os = "linux")]
+mod release;
 mod running;
 mod sea;
+mod shells;
 mod sea_check;
 #[cfg(unix)]
 mod setup_script;

@@ -10,7 +10,7 @@ use socket2::SockRef;
 use crate::sinks::sink::SinkError;
 
 /// Send buffer that is asked for, bytes: the system may give less.
-const SEND_BUFFER: usize = 1 << 20;
+pub(crate) const SEND_BUFFER: usize = 1 << 20;
 /// How long one datagram may wait for room in the send buffer. After a wait in vain none waits until one went
 /// out.
 const SEND_TIMEOUT: Duration = Duration::from_millis(20);

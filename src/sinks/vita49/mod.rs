@@ -64,6 +64,8 @@ mod packets;
 mod radar;
 mod stamp;
 
+pub(crate) use link::SEND_BUFFER;
+
 use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::time::TimeTag;
 
