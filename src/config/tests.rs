@@ -29,6 +29,7 @@ mod front_end;
 mod sea;
 mod sea_defaults;
 mod ship;
+mod swell;
 mod waveforms;
 
 /// An emitter with every key but one of those of its train.

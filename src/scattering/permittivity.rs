@@ -8,7 +8,7 @@
 //! * **Klein and Swift 1977**, single Debye,
 //!   `eps = 4.9 + (es-4.9)/(1+j w tau) - j sigma/(w eps0)`;
 //!   IEEE TAP 25, 104. 1 to 10 GHz, 0 to 30 degrees Celsius, 4 to 35 psu (the span of its measurements).
-//! * **ITU-R P.527-6**, section 5.1.2, double Debye with the static permittivity and the relaxation of Liebe,
+//! * **ITU-R P.527-6**, double Debye with the static permittivity and the relaxation of Liebe,
 //!   the salt of Meissner and Wentz 2004, and the conductivity of the practical salinity scale. A band of
 //!   broadcast and HF radars: 1 MHz to 1 THz, here from -2 to 34 degrees Celsius, 0 to 40 psu. Below its
 //!   relaxations (some 17 GHz) what it says is the static permittivity and the conductivity alone.
