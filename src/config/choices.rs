@@ -9,7 +9,7 @@ pub(super) use crate::motion::errors::{Between, Recorded};
 use crate::motion::gusts::LEVELS_MPS;
 pub(super) use crate::nav::{FileFormat, MotionBounds};
 pub(super) use crate::radar::clock::Oscillator;
-pub(super) use crate::scene::radar::{AimFrom, Polarisation};
+pub(super) use crate::scene::radar::{AimFrom, Constellation, DvbTMode, Guard, Polarisation};
 pub(super) use crate::scene::sea::{Averaging, Breaking, LightWinds, Permittivity, Phases, Splitting, Waves};
 pub(super) use crate::scene::ship::UpAxis;
 pub(super) use crate::scene::water::WindProfile;
@@ -71,7 +71,8 @@ choices! {
     PatchKind { Fixed = "fixed", Follow = "follow" }
     AimKind { At = "at", Beside = "beside" }
     WaveformKind {
-        Lfm = "lfm", Nlfm = "nlfm", Cw = "cw", PhaseCode = "phase-code", File = "file", Noise = "noise"
+        Lfm = "lfm", Nlfm = "nlfm", Cw = "cw", PhaseCode = "phase-code", File = "file", Noise = "noise",
+        DvbT = "dvb-t"
     }
     SweepKind { Up = "up", Down = "down", Triangular = "triangular" }
     TaperKind { Taylor = "taylor", Hamming = "hamming" }
@@ -179,6 +180,9 @@ words! {
     MotionBounds {
         "ship" = Self::SHIP, "ground" = Self::GROUND, "aircraft" = Self::AIRCRAFT, "spacecraft" = Self::SPACECRAFT
     }
+    DvbTMode { "2k" = Self::K2, "8k" = Self::K8 }
+    Guard { "1/4" = Self::Quarter, "1/8" = Self::Eighth, "1/16" = Self::Sixteenth, "1/32" = Self::Thirtysecond }
+    Constellation { "qpsk" = Self::Qpsk, "16-qam" = Self::Qam16, "64-qam" = Self::Qam64 }
     WindProfile { "cardone" = Self::Cardone, "wu" = Self::Wu }
     Waves { "linear" = Self::Linear, "choppy" = Self::Choppy }
     Permittivity { "meissner-wentz" = Self::MeissnerWentz, "klein-swift" = Self::KleinSwift, "itu-r-p527" = Self::ItuRP527 }

@@ -15,8 +15,9 @@ pub const CULLED_DB: f64 = 10.0;
 /// What interpolation leaves of the panels of ships stays so far below the budget, dB.
 pub const PANELS_DB: f64 = 10.0;
 
-/// A facet that turns away a pulse early or late leaves no more than so far below the budget, dB.
-const TURNING_DB: f64 = 0.5;
+/// A facet that turns away a pulse early or late leaves no more than so far below the budget, dB: a channel
+/// may have half of the power of all.
+const TURNING_DB: f64 = 3.0;
 
 /// What pulses between the supports of their tiles lack stays so far below the budget, dB.
 pub const BETWEEN_DB: f64 = 10.0;

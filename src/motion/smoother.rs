@@ -14,7 +14,7 @@
 //!
 //! The mean of this process between two nodes is the quintic through their states (the smoother is the
 //! quintic smoothing spline that minimises `sum (z - p)^2/sigma^2 + (1/q) int p'''^2 dt`; Wahba 1978), so
-//! [`super::hermite`] adds nothing to it: the path is even C4.
+//! [`crate::scene::hermite`] adds nothing to it: the path is even C4.
 //!
 //! ```
 //! use nereus::motion::smoother::{Series, smooth};

@@ -18,7 +18,7 @@
 //! | [`Nlfm`] | nonlinear sweep, by a taper of its power spectrum | `4 <= B Tc <= 2e4` |
 //! | [`Coded`] | chips of equal length: phase codes, or one chip: a plain pulse | 65536 chips |
 //! | [`Sampled`] | samples from a file, band-limited to their rate | 131072 samples |
-//! | [`Stream`] | a continuous signal, a segment with every emission: [`Noise`] | 64 to 1048576 samples a segment |
+//! | [`Stream`] | a continuous signal, a segment with every emission: [`Noise`], [`Television`] | 64 to 1048576 samples a segment |
 //!
 //! ```
 //! use nereus::radar::waveform::{Lfm, Waveform};
@@ -32,6 +32,7 @@
 
 mod coded;
 mod drooping;
+mod dvb_t;
 mod fresnel;
 mod gridded;
 mod lfm;
@@ -58,6 +59,7 @@ use crate::scene::radar::Source;
 
 pub use coded::Coded;
 pub use drooping::Drooping;
+pub use dvb_t::Television;
 pub use lfm::Lfm;
 pub use nlfm::{MAX_NONLINEAR, MIN_NONLINEAR, Nlfm, SIDELOBES_DB};
 pub use noise::Noise;
@@ -160,6 +162,7 @@ pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn 
         scene::radar::Waveform::Stream { source, interval_s } => {
             let signal: Arc<dyn Signal> = match source {
                 Source::Noise { bandwidth_hz, seed } => Arc::new(Noise::new(*bandwidth_hz, *seed)),
+                Source::DvbT { of, seed } => Arc::new(Television::new(*of, *seed)),
             };
             Arc::new(Stream::new(signal, *interval_s)?)
         }

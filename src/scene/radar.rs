@@ -11,7 +11,7 @@ use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
 
 pub use pointing::{Aim, AimFrom, Encoder, Pointing, Scan, ScanLaw, Steering};
-pub use waveform::{Code, Dechirp, Source, Sweep, Taper, Waveform};
+pub use waveform::{Code, Constellation, Dechirp, DvbT, DvbTMode, Guard, Source, Sweep, Taper, Waveform};
 
 /// The radar: every emission and every receive window of a run.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,7 +17,7 @@ use crate::pages::{blocks, lines_of, name, pages, words};
 use crate::program::{command, package};
 
 /// Lines that are not run, by how they begin, and why.
-const NOT_RUN: [(&str, &str); 23] = [
+const NOT_RUN: [(&str, &str); 24] = [
     ("cargo ", "builds; tools/test builds and runs the same"),
     ("tools/quickstart", "builds; tests/cli/setup_script.rs covers its set-up"),
     ("tools/test", "runs this test"),
@@ -26,6 +26,7 @@ const NOT_RUN: [(&str, &str); 23] = [
     ("tools/paper.py", "takes minutes; tests/cli/pages.rs compares the page with what it wrote"),
     ("python3 tools/baseline.py", "takes minutes; tests/cli/python_tools.rs runs it on a small sea"),
     ("python3 tools/steady.py", "reads an hour of pulses; tests/cli/python_tools.rs runs it on a few"),
+    ("python3 tools/passive.py", "needs 200 blocks; tests/cli/python_tools.rs makes them"),
     ("python3 tools/focus_numpy.py", "takes minutes; tests/cli/focus.rs runs it on a small image"),
     ("nereus run configs/live-nav.toml --set platform.1.track.source=/dev", "needs a serial port"),
     ("nereus nav play configs/tracks/cart.inspvax /dev", "needs a serial port"),
@@ -56,8 +57,14 @@ const BEFORE: [(&str, &str); 5] = [
 ];
 
 /// Scenarios with a sea, by the beginning of their names.
-const WITH_SEA: [&str; 5] =
-    ["configs/mars-", "configs/quickstart", "configs/sea", "configs/continuous", "first.toml"];
+const WITH_SEA: [&str; 6] = [
+    "configs/mars-",
+    "configs/quickstart",
+    "configs/sea",
+    "configs/continuous",
+    "configs/passive",
+    "first.toml",
+];
 
 /// What makes a sea quick in a debug build: few facets, and no plan of the fast echo, whose dry run takes a
 /// minute. The tests of plans and benchmarks run the fast echo. Of settings of the same key the last one

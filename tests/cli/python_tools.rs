@@ -1,4 +1,4 @@
-//! `tools/baseline.py` and `tools/steady.py`, on recordings of a few pulses.
+//! `tools/baseline.py`, `tools/steady.py` and `tools/passive.py`, on small recordings.
 
 use std::fs;
 use std::path::Path;
@@ -140,4 +140,25 @@ fn the_headland_is_made_by_its_tool() {
     // Hills of 46 to 70 m that overlap.
     let top_m = heights(&kept).into_iter().fold(0f32, f32::max);
     assert!((90.0..110.0).contains(&top_m), "{top_m}");
+}
+
+/// Both boats of the passive radar are where they are, to a tenth of a cell of delay and of Doppler, with the
+/// direct path far above them.
+#[cfg(feature = "hdf5")]
+#[test]
+fn a_passive_radar_finds_its_targets() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = package().join("configs/passive.toml").display().to_string();
+    let small = ["--set", "scene.patch_size_m=[32, 32]", "--pace", "fast"];
+    let ended = nereus(folder.path(), &[&["run", &config][..], &small].concat());
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let Some(ended) = tool("passive.py", "numpy, h5py", &["passive.h5"], folder.path()) else { return };
+    let printed = text(&ended.stdout);
+    assert!(ended.status.success(), "{printed}{}", text(&ended.stderr));
+    for name in ["launch", "ferry"] {
+        let line = printed.lines().find(|line| line.starts_with(name)).unwrap();
+        let off = line.split_once("off by ").unwrap().1.trim_end_matches(" cells");
+        let off: Vec<f64> = off.split(" and ").map(|cells| cells.parse().unwrap()).collect();
+        assert!(off.len() == 2 && off.iter().all(|cells| *cells < 0.1), "{printed}");
+    }
 }

@@ -29,7 +29,7 @@ tables! {
     }
     waveform "[radar.waveform] and [emitter.waveform]" "What is radiated, at unit amplitude." {
         KIND "kind", Choice(words::<WaveformKind>), Required, "Linear or nonlinear frequency modulation, a plain pulse of the carrier, a phase code, samples from a file (docs/waveforms.md), or a continuous signal, of which every emission radiates the next segment (docs/continuous.md).";
-        BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm, nlfm: swept bandwidth; noise: bandwidth, between points of a quarter of the power density.";
+        BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm, nlfm: swept bandwidth; noise: bandwidth, between points of a quarter of the power density; dvb-t: the channel, 6e6, 7e6 or 8e6.";
         PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm, nlfm, cw: pulse length.";
         SWEEP "sweep", Choice(words::<SweepKind>), Word("up"), "lfm, nlfm: direction of the sweep; lfm alone: triangular, up in the first half of the pulse and down in the second.";
         TAPER "taper", Choice(words::<TaperKind>), Word("taylor"), "nlfm: what the power spectrum is over the band; pulse_s times bandwidth_hz is 4 to 20000.";
@@ -38,7 +38,10 @@ tables! {
         CHIPS "chips", count(2, 65536), Required, "phase-code, all but m-sequence: chips; of Barker 2, 3, 4, 5, 7, 11 or 13, of Frank a square.";
         REGISTER "register", count(2, 16), Required, "phase-code with code = \"m-sequence\": stages n of the shift register, for 2^n - 1 chips.";
         CHIP_S "chip_s", above("s", 0.0, 1.0), Required, "phase-code: length of a chip; one over it is the bandwidth, at most the sample rate. The pulse lasts for all chips.";
-        SEED "seed", count(0, u64::MAX), Means("0 of the radar, 1, 2, .. of the emitters in their order"), "noise: what it is drawn by. scene.seed does not change it.";
+        CARRIERS "carriers", Choice(words::<DvbTMode>), Word("8k"), "dvb-t: 1705 or 6817 carriers.";
+        GUARD "guard", Choice(words::<Guard>), Word("1/4"), "dvb-t: guard interval over the useful part of a symbol.";
+        CONSTELLATION "constellation", Choice(words::<Constellation>), Word("64-qam"), "dvb-t: points of the data carriers.";
+        SEED "seed", count(0, u64::MAX), Means("0 of the radar, 1, 2, .. of the emitters in their order"), "noise, dvb-t: what it is drawn by. scene.seed does not change it.";
         PATH "path", File, Required, "file: CSV lines re,im without a header.";
         RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
         DROOP_DB "droop_db", number("dB", 0.0, 60.0), default(0.0), "How far the amplitude falls, linearly, from the begin of the pulse to its end. Pulses alone, without dechirp.";

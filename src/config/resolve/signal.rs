@@ -5,11 +5,13 @@ use crate::config::error::Problem;
 use crate::config::keys::{Key, figure};
 use crate::config::section::Section;
 use crate::radar::waveform::SEGMENT_SAMPLES;
-use crate::scene::radar::{Code, Source, Sweep, Taper, Waveform};
+use crate::scene::radar::{Code, DvbT, Source, Sweep, Taper, Waveform};
 use crate::time::PulseTimes;
 
 /// Bandwidth times length of nonlinear sweeps: the least, and the most.
 const PRODUCTS: [f64; 2] = [4.0, 20_000.0];
+/// Channels of television.
+const CHANNELS_HZ: [f64; 3] = [6e6, 7e6, 8e6];
 /// Chips of Barker codes.
 const BARKER: [usize; 7] = [2, 3, 4, 5, 7, 11, 13];
 
@@ -96,6 +98,12 @@ pub(super) fn waveform(
             let source = bandwidth_hz.zip(seed).map(|(hz, seed)| Source::Noise { bandwidth_hz: hz, seed });
             source.and_then(|source| stream(&section, source, bandwidth_hz, train))
         }
+        Some(WaveformKind::DvbT) => {
+            let (of, seed) = (television(&section), seed(&section, number));
+            of.iter().for_each(|of| too_wide(&BANDWIDTH_HZ, of.occupied_hz()));
+            let source = of.zip(seed).map(|(of, seed)| Source::DvbT { of, seed });
+            source.and_then(|source| stream(&section, source, of.map(|of| of.rate_hz()), train))
+        }
         None => None,
     };
     let droop_db = section.number(&DROOP_DB);
@@ -143,6 +151,23 @@ fn stream(
         return refused(found, allowed);
     }
     Some(Waveform::Stream { source, interval_s })
+}
+
+/// The parameters of a television signal.
+fn television(section: &Section<'_>) -> Option<DvbT> {
+    use crate::config::keys::waveform::{BANDWIDTH_HZ, CARRIERS, CONSTELLATION, GUARD};
+    let channel_hz = section.number(&BANDWIDTH_HZ);
+    let (mode, guard) = (section.choice(&CARRIERS), section.choice(&GUARD));
+    let constellation = section.choice(&CONSTELLATION);
+    let channel_hz = channel_hz.filter(|hz| {
+        let is_channel = CHANNELS_HZ.contains(hz);
+        if !is_channel {
+            let found = format!("a channel of {} Hz", figure(*hz));
+            section.fault(&BANDWIDTH_HZ, Problem::Type { found, allowed: "6e6, 7e6 or 8e6 Hz".to_owned() });
+        }
+        is_channel
+    });
+    Some(DvbT { channel_hz: channel_hz?, mode: mode?, guard: guard?, constellation: constellation? })
 }
 
 /// Of a sweep that has one.

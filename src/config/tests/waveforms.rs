@@ -18,7 +18,11 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
     ]
     .map(|waveform| vec![("radar.waveform", waveform)])
     .into_iter()
-    .chain([vec![("radar.dechirp", "{ delay_us = 0 }")], ENDLESS.to_vec()])
+    .chain([
+        vec![("radar.dechirp", "{ delay_us = 0 }")],
+        ENDLESS.to_vec(),
+        vec![ENDLESS[0], ("radar.waveform", "{ kind = 'dvb-t', bandwidth_hz = 8e6 }")],
+    ])
     .map(|settings| (COASTAL, settings))
     .collect()
 }
@@ -135,6 +139,28 @@ fn a_continuous_signal_is_cut_by_the_interval() {
     assert!(wide.contains("radar.waveform.bandwidth_hz: 2e8 Hz exceeds the sample rate"), "{wide}");
     let pulse = refused(&[("radar.waveform.pulse_s", "1e-3")]);
     assert!(pulse.contains("radar.waveform.pulse_s: not allowed here (kind = \"noise\")"), "{pulse}");
+}
+
+#[test]
+fn television_is_that_of_the_standard() {
+    use crate::scene::radar::{Constellation, DvbT, DvbTMode, Guard};
+    let of = |waveform: &str| coastal_with(&[ENDLESS[0], ("radar.waveform", waveform)]);
+    let Waveform::Stream { source: Source::DvbT { of: found, seed }, .. } =
+        of("{ kind = 'dvb-t', bandwidth_hz = 8e6, seed = 4 }").unwrap().scene.radar.waveform
+    else {
+        panic!("another kind");
+    };
+    let constellation = Constellation::Qam64;
+    let expected = DvbT { channel_hz: 8e6, mode: DvbTMode::K8, guard: Guard::Quarter, constellation };
+    assert_eq!((found, seed), (expected, 4));
+    // 64/7 MHz; 6817 carriers 1116 Hz apart.
+    assert!((found.rate_hz() - 64e6 / 7.0).abs() < 1e-6 && (found.occupied_hz() - 7.608_259e6).abs() < 1.0);
+    let refused = |waveform: &str| of(waveform).unwrap_err().to_string();
+    let narrow = refused("{ kind = 'dvb-t', bandwidth_hz = 5e6, carriers = '4k', guard = '1/4' }");
+    assert!(narrow.contains("a channel of 5e6 Hz") && narrow.contains("6e6, 7e6 or 8e6 Hz"), "{narrow}");
+    assert!(narrow.contains("radar.waveform.carriers: \"4k\" is not allowed"), "{narrow}");
+    let chips = refused("{ kind = 'dvb-t', bandwidth_hz = 8e6, chips = 3 }");
+    assert!(chips.contains("radar.waveform.chips: not allowed here (kind = \"dvb-t\")"), "{chips}");
 }
 
 /// A radar of a bandwidth far above its sample rate, that is dechirped.

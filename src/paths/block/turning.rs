@@ -6,11 +6,12 @@
 //! of them may break the error that was asked for. Where a facet has more than a share of the power of all,
 //! and its cosine is nearer to zero than the interpolation can tell,
 //!
-//! `|c| < w h |s (s - 1) (s - 2) (s - 3)| / 4!  |c_0 - 3 c_1 + 3 c_2 - c_3|`,
+//! `|c| < w h |s (s - 1) (s - 2) (s - 3)| / 4!  sqrt(d_3^2 + (w h d_2)^2)`,
 //!
 //! the slope of the surface is evaluated at that pulse. That is what a cubic through the nodes leaves of a
-//! wave of frequency `w`: `h` is the time from node to node, `s` the time over `h`, and `w` the frequency of
-//! the shortest waves of the grid, `w^2 = g sqrt(2) pi / facet`.
+//! wave of frequency `w`: `h` is the time from node to node, `s` the time over `h`, `d_2` and `d_3` are
+//! differences of the cosine at the nodes, and `w` is the frequency of the shortest waves of the grid,
+//! `w^2 = g sqrt(2) pi / facet`. Two differences, for where one of a wave passes zero the other is largest.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -45,8 +46,9 @@ pub(super) struct Turning {
 #[derive(Clone, Copy)]
 struct Doubtful {
     lane: usize,
-    /// Differences of the cosines to both antennas from node to node, of the highest order there is.
-    differences: [f32; 2],
+    /// Of the cosines to both antennas: the difference of the highest order that the nodes have, and the
+    /// largest of the order below.
+    differences: [[f32; 2]; 2],
     /// Factor at the pulse at hand, were it not turned away.
     factor: f32,
 }
@@ -118,10 +120,12 @@ impl Turning {
             };
             let differences = [0, 1].map(|end| {
                 let mut c: [f32; NODES] = std::array::from_fn(|n| if n < nodes { at(end, n) } else { 0.0 });
+                let mut below = 0.0f32;
                 for order in 1..nodes {
+                    below = c[..=nodes - order].iter().fold(0.0, |most, own| most.max(own.abs()));
                     (0..nodes - order).for_each(|n| c[n] = c[n + 1] - c[n]);
                 }
-                c[0].abs()
+                [c[0].abs(), below]
             });
             doubtful.push(Doubtful { lane, differences, factor: 0.0 });
         }
@@ -149,7 +153,7 @@ impl Turning {
         let least_w = self.least_w[of.number];
         let Self { doubtful, surface: known, .. } = self;
         let places = &instants.nodes[..instants.node_count];
-        let left = left_at(places, pulse, slow) * of.turn_rad(patch);
+        let (left, turn_rad) = (left_at(places, pulse, slow), of.turn_rad(patch));
         let (epochs, of_epochs) = (&instants.epochs[..instants.epoch_count], of.pair.epochs());
         let after = epochs.partition_point(|epoch| *epoch <= pulse).clamp(1, epochs.len().max(2) - 1);
         let power = |lane: usize| {
@@ -160,7 +164,11 @@ impl Turning {
         for own in doubtful.iter().filter(|own| power(own.lane) * own.factor * own.factor > least_w) {
             let weights = weights.get_or_insert_with(|| through(places, pulse, slow));
             let cosine = |end: usize, slope| of.cosine(end, own.lane, weights, slope);
-            let doubts = [0, 1].map(|end| cosine(end, None).abs() < left * own.differences[end] + ROUNDING);
+            let doubts = [0, 1].map(|end| {
+                let [highest, below] = own.differences[end];
+                let most = left * turn_rad * highest.hypot(turn_rad * below);
+                cosine(end, None).abs() < most + ROUNDING
+            });
             if doubts == [false; 2] {
                 continue;
             }
@@ -181,7 +189,7 @@ impl Turning {
         }
     }
 
-    /// The block is done: nothing is looked at before the next, which may be of another patch.
+    /// The block is done: nothing is settled before the next, which may be of another patch.
     pub fn rest(&mut self) {
         self.least_w.clear();
         if let Some((at_s, _)) = &mut self.surface {
@@ -190,8 +198,7 @@ impl Turning {
     }
 }
 
-/// What a polynomial through nodes may leave at a pulse, over the difference of the highest order that they
-/// have: of waves that turn by a radian from node to node.
+/// What a polynomial through nodes leaves at a pulse, over the next difference that it does not know.
 fn left_at(places: &[usize], pulse: usize, slow: &SlowTime) -> f32 {
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return 0.0 };
     let step = (slow.at(*last) - slow.at(*first)) / (places.len() - 1).max(1) as f64;

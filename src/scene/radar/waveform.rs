@@ -79,6 +79,123 @@ pub enum Source {
         /// What it is drawn by.
         seed: u64,
     },
+    /// Terrestrial television.
+    DvbT {
+        /// Its parameters.
+        of: DvbT,
+        /// What its data are drawn by.
+        seed: u64,
+    },
+}
+
+/// Parameters of a DVB-T signal (EN 300 744).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DvbT {
+    /// Width of the channel, Hz: 6, 7 or 8 MHz.
+    pub channel_hz: f64,
+    /// Carriers.
+    pub mode: DvbTMode,
+    /// Guard interval.
+    pub guard: Guard,
+    /// Of the data.
+    pub constellation: Constellation,
+}
+
+/// Carriers of a DVB-T signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DvbTMode {
+    /// 1705 carriers.
+    K2,
+    /// 6817 carriers.
+    K8,
+}
+
+/// Guard interval over the rest of a symbol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Guard {
+    /// 1/32.
+    Thirtysecond,
+    /// 1/16.
+    Sixteenth,
+    /// 1/8.
+    Eighth,
+    /// 1/4.
+    Quarter,
+}
+
+/// Points of a data carrier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Constellation {
+    /// 4.
+    Qpsk,
+    /// 16.
+    Qam16,
+    /// 64.
+    Qam64,
+}
+
+impl Guard {
+    /// Its number in the signalling.
+    pub fn number(self) -> u32 {
+        match self {
+            Self::Thirtysecond => 0,
+            Self::Sixteenth => 1,
+            Self::Eighth => 2,
+            Self::Quarter => 3,
+        }
+    }
+}
+
+impl Constellation {
+    /// Its number in the signalling.
+    pub fn number(self) -> u32 {
+        match self {
+            Self::Qpsk => 0,
+            Self::Qam16 => 1,
+            Self::Qam64 => 2,
+        }
+    }
+
+    /// Levels of each part of a point.
+    pub fn levels(self) -> u32 {
+        2 << self.number()
+    }
+}
+
+impl DvbT {
+    /// Samples a second.
+    pub fn rate_hz(&self) -> f64 {
+        self.channel_hz * 8.0 / 7.0
+    }
+
+    /// Samples of a symbol without its guard.
+    pub fn samples(&self) -> usize {
+        match self.mode {
+            DvbTMode::K2 => 2048,
+            DvbTMode::K8 => 8192,
+        }
+    }
+
+    /// Samples of the guard.
+    pub fn guard_samples(&self) -> usize {
+        self.samples() >> (5 - self.guard.number())
+    }
+
+    /// Carriers.
+    pub fn carriers(&self) -> usize {
+        match self.mode {
+            DvbTMode::K2 => 1705,
+            DvbTMode::K8 => 6817,
+        }
+    }
+
+    /// From below the lowest carrier to above the highest, Hz.
+    pub fn occupied_hz(&self) -> f64 {
+        self.rate_hz() * self.carriers() as f64 / self.samples() as f64
+    }
 }
 
 impl Source {
@@ -86,6 +203,7 @@ impl Source {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Noise { .. } => "noise",
+            Self::DvbT { .. } => "dvb-t",
         }
     }
 
@@ -93,6 +211,7 @@ impl Source {
     pub fn bandwidth_hz(&self) -> Option<f64> {
         match self {
             Self::Noise { bandwidth_hz, .. } => Some(*bandwidth_hz),
+            Self::DvbT { of, .. } => Some(of.occupied_hz()),
         }
     }
 }
