@@ -273,9 +273,7 @@ fn follow_reports<'a>(
     if first_s.max(duration_s - last_s).max(longest_s) > choice.most_age_s {
         return Err(Lost::Old);
     }
-    if way::slowest(&way).is_some_and(|(slowest_mps, _)| slowest_mps < way::SLOWEST_MPS) {
-        return Err(Lost::Stopping);
-    }
+    let way = way::under_way(way, duration_s).map_err(|_| Lost::Stopping)?;
     let Sailed { position_m, velocity_mps: [vx, vy], ahead, .. } = Sailed::on(&way, 0.0, [1.0, 0.0]);
     Ok(Ship {
         position_m,
