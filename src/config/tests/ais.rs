@@ -93,6 +93,11 @@ fn vessels_follow_their_reports() {
     let text: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
     let wanted = "1 reports left out for which vessels would have to turn or run faster";
     assert!(text.iter().any(|text| text.contains(wanted) && text.contains("1 vessels left out")), "{text:?}");
+    // One that is silent for longer than most_age_s within the run.
+    let silent = "2016-01-12 11:58:20,4,50.0,-1.0,0.0,5.0\n2016-01-12 12:05:00,4,50.00925,-1.0,0.0,5.0\n";
+    let run = read_log(&placed(), &format!("{log}{silent}"), "follow = true").unwrap();
+    let text: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
+    assert!(text.iter().any(|text| text.contains("1 whose reports leave")), "{text:?}");
     // One that moors before or after the run sails in it, on the part of its way without berths.
     let mut moors = log.lines().next().unwrap().to_owned() + "\n";
     for (n, knots) in [0.0, 0.0, 4.0, 4.0, 4.0, 0.0, 0.0].into_iter().enumerate() {
