@@ -1,13 +1,13 @@
 //! How ships and targets move that do not go straight on: recorded tracks and waypoints.
 
 use super::Ground;
-use super::platform;
+use super::{platform, plausible};
 use crate::config::choices::{HeightsKind, WayKind};
-use crate::config::error::Problem;
+use crate::config::error::{Problem, Warning};
 use crate::config::keys::{Key, track, way as k};
 use crate::config::section::Section;
 use crate::frames::{Geodetic, Vector};
-use crate::motion::{Track, waypoints};
+use crate::motion::{SourceReport, Track, waypoints};
 use crate::nav::{FileFormat, FileSource, TrackSource};
 use crate::scene::Trajectory;
 use crate::scene::ship::Sailed;
@@ -214,7 +214,14 @@ fn recorded(
     }
     let path = source.path.display().to_string();
     let knots = match Track::from_source(&TrackSource::File(source), &ground.frame, start) {
-        Ok((track, _)) => track.knots(start)?,
+        Ok((track, report)) => {
+            let key = section.path_of(k::PATH.name);
+            let noted = report.filter(SourceReport::is_noted).map(|report| report.to_string());
+            noted
+                .into_iter()
+                .for_each(|report| section.reader().warn(Warning::TrackNoted { key: key.clone(), report }));
+            track.knots(start)?
+        }
         Err(error) => return fault(error.to_string()),
     };
     let (first_s, last_s) = (knots.first()?.time_s, knots.last()?.time_s);
