@@ -64,6 +64,9 @@ pub(super) fn way(section: Section<'_>, ground: &Ground, run: Run, mover: Mover)
             let error = "its knots do not follow each other in time".to_owned();
             section.fault(&k::KIND, Problem::Refused { error });
         }
+        if let (Mover::Target(_), false, Some(way)) = (mover, on_sea, &trajectory) {
+            plausible::target(&section, [&k::DATUM, &k::PATH], way.at(0.0).position, ground);
+        }
         match mover {
             Mover::Ship => trajectory.and_then(|way| sailed(&section, &k::KIND, way, run.duration_s)),
             Mover::Target(_) => trajectory,
