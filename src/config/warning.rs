@@ -131,7 +131,8 @@ pub enum Warning {
     /// Vessels that follow their reports.
     #[error(
         "{log}: {refused} reports left out for which vessels would have to turn or run faster than they can \
-         (max_turn_degps); {stopping} vessels left out that stop on their way"
+         (max_turn_degps); {stopping} vessels left out that stop on their way, {silent} whose reports leave more than most_age_s \
+         of the run open"
     )]
     AisFollowed {
         /// The log.
@@ -140,6 +141,16 @@ pub enum Warning {
         refused: usize,
         /// Vessels that stop.
         stopping: usize,
+        /// Vessels whose reports do not cover the run.
+        silent: usize,
+    },
+    /// A recording of the track of a ship or a target that was not taken as it is.
+    #[error("{key}: {report}")]
+    TrackNoted {
+        /// The key of its path.
+        key: String,
+        /// What became of it.
+        report: String,
     },
     /// An aperture that is none.
     #[error(

@@ -50,7 +50,9 @@ pub(super) fn faults(prepared: &Prepared) -> Vec<BuildError> {
             faults.push(BuildError::BelowSea { antenna, platform, depth_m, pulse, swapped });
         }
     }
-    if let (Waveform::Samples { path, .. }, Ok(waveform)) = (&scene.radar.waveform, prepared.waveform()) {
+    if let (Waveform::Samples { path, .. }, Ok(waveform)) =
+        (scene.radar.waveform.level(), prepared.waveform())
+    {
         let (pulse_s, pri_s) = (waveform.duration_s(), scene.radar.sends().shortest_pri_s());
         if pulse_s > pri_s * (1.0 + 1e-9) {
             faults.push(BuildError::LongPulse {

@@ -188,7 +188,7 @@ fn sail(
         nearest.retain(|known, _| chosen.contains(&u64::from(*known)));
     }
     let mut left_out = LeftOut::default();
-    let (mut ships, mut refused) = (Vec::new(), 0);
+    let (mut ships, mut refused, mut silent) = (Vec::new(), 0, 0);
     for (age_s, report) in nearest.values() {
         let Some(ship) = ship(ground, choice, *age_s, report, &mut left_out) else { continue };
         let own = reports.iter().filter(|of| of.mmsi == report.mmsi);
@@ -200,6 +200,7 @@ fn sail(
             Ok(ship) => ship,
             Err(Lost::Old) => {
                 left_out.old += 1;
+                silent += 1;
                 continue;
             }
             Err(Lost::Stopping) => {
@@ -230,9 +231,9 @@ fn sail(
         return vec![None];
     }
     let LeftOut { stopping, .. } = left_out;
-    if refused + stopping > 0 {
+    if refused + stopping + silent > 0 {
         let log = log.to_owned();
-        section.reader().warn(Warning::AisFollowed { log, refused, stopping });
+        section.reader().warn(Warning::AisFollowed { log, refused, stopping, silent });
     }
     ships
 }
@@ -273,9 +274,7 @@ fn follow_reports<'a>(
     if first_s.max(duration_s - last_s).max(longest_s) > choice.most_age_s {
         return Err(Lost::Old);
     }
-    if way::slowest(&way).is_some_and(|(slowest_mps, _)| slowest_mps < way::SLOWEST_MPS) {
-        return Err(Lost::Stopping);
-    }
+    let way = way::under_way(way, duration_s).map_err(|_| Lost::Stopping)?;
     let Sailed { position_m, velocity_mps: [vx, vy], ahead, .. } = Sailed::on(&way, 0.0, [1.0, 0.0]);
     Ok(Ship {
         position_m,

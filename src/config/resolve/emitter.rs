@@ -57,7 +57,7 @@ fn emitter(
     let (direct_path, echo) = (section.flag(&k::DIRECT_PATH), section.flag(&k::ECHO));
     let bands = (carrier_hz.zip(of_radar_hz), waveform.as_ref().zip(sample_rate_hz));
     if let (Some((own_hz, radar_hz)), Some((waveform, sample_rate_hz))) = bands {
-        let bandwidth_hz = match waveform {
+        let bandwidth_hz = match waveform.level() {
             Waveform::Samples { rate_hz, .. } => *rate_hz,
             other => other.bandwidth_hz().unwrap_or(0.0),
         };

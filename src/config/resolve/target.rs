@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::place::{self, SurfaceKeys};
 use super::{Ground, Names, plausible, way};
-use crate::config::choices::{Alignment, Waves};
+use crate::config::choices::{Alignment, HeightsKind, Waves};
 use crate::config::error::Problem;
 use crate::config::keys::{self, Key, MOST_FLOATING, MOST_TARGETS};
 use crate::config::section::Section;
@@ -80,13 +80,22 @@ fn target(
     let now = trajectory.as_ref().map(|way| way.at(0.0));
     let position =
         if tracked { now.map(|now| now.position) } else { place::above_sea(&section, &surface, ground) };
-    if let Some(position) = position {
+    let heights = section.peek_choice_in::<HeightsKind>(&k::TRACK, &keys::way::HEIGHTS);
+    let own_heights = heights == Some(HeightsKind::Recorded);
+    if own_heights {
+        section.idle(&[&k::HEIGHT_M], "heights = \"recorded\"");
+    } else if let Some(position) = position {
         plausible::target(&section, [&k::POSITION_M, &k::HEIGHT_M], position, ground);
     }
     let velocity = if tracked { now.map(|now| now.velocity) } else { velocity(&section, &k::VELOCITY_MPS) };
     let scattering = scattering(&section);
     let aspect = aspect(&section, velocity, tracked);
     let swerling = swerling(&section, &k::SWERLING, &k::SWERLING_SCAN_S);
+    if own_heights && section.flag(&k::FLOATING) == Some(true) {
+        let error = "the sea lifts a floating target, whose heights are recorded too; allowed with floating = true: \
+                     heights = \"sea\"";
+        section.fault(&k::FLOATING, Problem::Refused { error: error.to_owned() });
+    }
     let floating = floating(&section, sea, velocity.filter(|_| !tracked));
     let multipath = section.flag(&k::MULTIPATH);
     if multipath == Some(true) && !sea.0 {

@@ -1,13 +1,13 @@
 //! How ships and targets move that do not go straight on: recorded tracks and waypoints.
 
 use super::Ground;
-use super::platform;
+use super::{platform, plausible};
 use crate::config::choices::{HeightsKind, WayKind};
-use crate::config::error::Problem;
+use crate::config::error::{Problem, Warning};
 use crate::config::keys::{Key, track, way as k};
 use crate::config::section::Section;
 use crate::frames::{Geodetic, Vector};
-use crate::motion::{Track, waypoints};
+use crate::motion::{SourceReport, Track, waypoints};
 use crate::nav::{FileFormat, FileSource, TrackSource};
 use crate::scene::Trajectory;
 use crate::scene::ship::Sailed;
@@ -15,7 +15,7 @@ use crate::scene::trajectory::Knot;
 use crate::time::TimeTag;
 
 /// Slowest ship on a track, m/s: slower ones have no course to head along.
-pub(super) const SLOWEST_MPS: f64 = 0.1;
+const SLOWEST_MPS: f64 = 0.1;
 
 /// When pulse 0 is emitted, where that is written, and how long the run lasts.
 #[derive(Clone, Copy)]
@@ -64,14 +64,46 @@ pub(super) fn way(section: Section<'_>, ground: &Ground, run: Run, mover: Mover)
             let error = "its knots do not follow each other in time".to_owned();
             section.fault(&k::KIND, Problem::Refused { error });
         }
-        trajectory.filter(|way| mover != Mover::Ship || is_under_way(&section, &k::KIND, way))
+        if let (Mover::Target(_), false, Some(way)) = (mover, on_sea, &trajectory) {
+            plausible::target(&section, [&k::DATUM, &k::PATH], way.at(0.0).position, ground);
+        }
+        match mover {
+            Mover::Ship => trajectory.and_then(|way| sailed(&section, &k::KIND, way, run.duration_s)),
+            Mover::Target(_) => trajectory,
+        }
     });
     section.finish();
     found
 }
 
-/// The slowest speed on a way, m/s, and when that is, s after pulse 0.
-pub(super) fn slowest(way: &Trajectory) -> Option<(f64, f64)> {
+/// The part of a way that a ship sails under way: the segments that touch a run of this length, and those
+/// before and after them up to the nearest in which it is too slow to have a course.
+///
+/// # Errors
+/// Its slowest speed, m/s, and when that is, s after pulse 0, if that is too slow in a segment that touches
+/// the run.
+pub(super) fn under_way(way: Trajectory, duration_s: f64) -> Result<Trajectory, (f64, f64)> {
+    let knots = way.knots();
+    let last = knots.len() - 2;
+    let begins = knots.windows(2).position(|pair| pair[1].time_s > 0.0).unwrap_or(last);
+    let ends = knots.windows(2).rposition(|pair| pair[0].time_s < duration_s).unwrap_or(0);
+    let (mut begin, mut end) = (begins.min(ends), begins.max(ends));
+    let fast = |segment: usize| slowest(&way, &knots[segment..segment + 2]).0 >= SLOWEST_MPS;
+    let slow = slowest(&way, &knots[begin..end + 2]);
+    if slow.0 < SLOWEST_MPS {
+        return Err(slow);
+    }
+    while begin > 0 && fast(begin - 1) {
+        begin -= 1;
+    }
+    while end < last && fast(end + 1) {
+        end += 1;
+    }
+    Ok(Trajectory::new(knots[begin..end + 2].to_vec()).unwrap_or(way))
+}
+
+/// The slowest speed between knots of a way, m/s, and when that is, s after pulse 0.
+fn slowest(way: &Trajectory, knots: &[Knot]) -> (f64, f64) {
     let speed_mps = |time_s: f64| {
         let [vx, vy] = Sailed::on(way, time_s, [1.0, 0.0]).velocity_mps;
         (vx.hypot(vy), time_s)
@@ -80,21 +112,22 @@ pub(super) fn slowest(way: &Trajectory) -> Option<(f64, f64)> {
         let step_s = (pair[1].time_s - pair[0].time_s) / 8.0;
         (0..=8).map(|n| speed_mps(pair[0].time_s + step_s * f64::from(n))).collect::<Vec<_>>()
     };
-    way.knots().windows(2).flat_map(inside).min_by(|a, b| a.0.total_cmp(&b.0))
+    let speeds = knots.windows(2).flat_map(inside);
+    speeds.fold((f64::INFINITY, 0.0), |least, speed| if speed.0 < least.0 { speed } else { least })
 }
 
-/// Whether a ship is nowhere slower than one that has a course; a fault otherwise.
-fn is_under_way(section: &Section<'_>, key: &Key, way: &Trajectory) -> bool {
-    let Some((slowest_mps, time_s)) = slowest(way).filter(|(slowest_mps, _)| *slowest_mps < SLOWEST_MPS)
-    else {
-        return true;
+/// The part of a way that a ship sails under way; a fault where it stops in the run.
+fn sailed(section: &Section<'_>, key: &Key, way: Trajectory, duration_s: Option<f64>) -> Option<Trajectory> {
+    let (slowest_mps, time_s) = match under_way(way, duration_s.unwrap_or(f64::INFINITY)) {
+        Ok(way) => return Some(way),
+        Err(slowest) => slowest,
     };
     let error = format!(
         "the ship makes {slowest_mps:.3} m/s {time_s:.1} s after pulse 0, too slow to head anywhere; \
-         allowed: {SLOWEST_MPS} m/s or more throughout, or a ship without track at speed_mps = 0"
+         allowed: {SLOWEST_MPS} m/s or more throughout the run, or a ship without track at speed_mps = 0"
     );
     section.fault(key, Problem::Refused { error });
-    false
+    None
 }
 
 /// Knots at a constant height above the mean sea.
@@ -184,7 +217,14 @@ fn recorded(
     }
     let path = source.path.display().to_string();
     let knots = match Track::from_source(&TrackSource::File(source), &ground.frame, start) {
-        Ok((track, _)) => track.knots(start)?,
+        Ok((track, report)) => {
+            let key = section.path_of(k::PATH.name);
+            let noted = report.filter(SourceReport::is_noted).map(|report| report.to_string());
+            noted
+                .into_iter()
+                .for_each(|report| section.reader().warn(Warning::TrackNoted { key: key.clone(), report }));
+            track.knots(start)?
+        }
         Err(error) => return fault(error.to_string()),
     };
     let (first_s, last_s) = (knots.first()?.time_s, knots.last()?.time_s);

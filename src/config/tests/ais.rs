@@ -93,6 +93,21 @@ fn vessels_follow_their_reports() {
     let text: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
     let wanted = "1 reports left out for which vessels would have to turn or run faster";
     assert!(text.iter().any(|text| text.contains(wanted) && text.contains("1 vessels left out")), "{text:?}");
+    // One that is silent for longer than most_age_s within the run.
+    let silent = "2016-01-12 11:58:20,4,50.0,-1.0,0.0,5.0\n2016-01-12 12:05:00,4,50.00925,-1.0,0.0,5.0\n";
+    let run = read_log(&placed(), &format!("{log}{silent}"), "follow = true").unwrap();
+    let text: Vec<String> = run.warnings.iter().map(ToString::to_string).collect();
+    assert!(text.iter().any(|text| text.contains("1 whose reports leave")), "{text:?}");
+    // One that moors before or after the run sails in it, on the part of its way without berths.
+    let mut moors = log.lines().next().unwrap().to_owned() + "\n";
+    for (n, knots) in [0.0, 0.0, 4.0, 4.0, 4.0, 0.0, 0.0].into_iter().enumerate() {
+        let lat = 50.0 + 20.0 * 4.0 * 1852.0 / 3600.0 * (n as f64 - 3.0) / metres[1];
+        let (minute, second) = [(59, 0), (59, 20), (59, 40), (0, 0), (0, 20), (0, 40), (1, 0)][n];
+        let hour = if minute == 59 { 11 } else { 12 };
+        moors += &format!("2016-01-12 {hour}:{minute:02}:{second:02},3,{lat:.7},-1.0,0.0,{knots:.1}\n");
+    }
+    let run = read_log(&placed(), &moors, "follow = true").unwrap();
+    assert_eq!(run.scene.ships[0].trajectory.as_ref().unwrap().span_s(), [-20.0, 20.0]);
     // A bound that it does not keep leaves it one report: it sails straight on.
     let run = read_log(&placed(), &log, "follow = true\nmax_turn_degps = 0.0001\nmmsi = [1]").unwrap();
     assert!(run.scene.ships.len() <= 1);

@@ -155,6 +155,9 @@ fn faults_of_tracks_are_named() {
         "allowed with a track: motion = \"level\"",
     );
     has(&format!("[[target]]\nrcs_m2 = 1\n{open} }}\nposition_m = [0, 0, 0]"), "the target has a track");
+    let own = format!("[[target]]\nrcs_m2 = 1\n{open}, heights = \"recorded\" }}\n");
+    has(&format!("{own}floating = true"), "target.0.floating: the sea lifts a floating target");
+    has(&format!("{own}height_m = 3"), "target.0.height_m: not allowed here (heights = \"recorded\")");
     let round = |points: &str, radius_m: &str| {
         format!(
             "{HULL}track = {{ kind = \"waypoints\", waypoints_m = {points}, speed_mps = 5, turn_radius_m = {radius_m} }}"

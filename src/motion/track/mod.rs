@@ -86,6 +86,14 @@ pub struct SourceReport {
     pub fit: FitReport,
 }
 
+impl SourceReport {
+    /// Whether something was skipped, filled in, set right or refused.
+    pub fn is_noted(&self) -> bool {
+        let FitReport { rejected_horizontal, rejected_vertical, .. } = self.fit;
+        !self.load.notes().is_empty() || rejected_horizontal + rejected_vertical > 0
+    }
+}
+
 impl fmt::Display for SourceReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}\n  {}", self.load.path, self.load, self.fit)

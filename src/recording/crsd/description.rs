@@ -164,7 +164,8 @@ impl Description {
             return Err(CrsdError::NoOrigin);
         }
         let Waveform::Lfm { bandwidth_hz, duration_s, sweep } = radar.waveform else {
-            return Err(CrsdError::Waveform { kind: radar.waveform.kind() });
+            let droops = matches!(radar.waveform, Waveform::Drooping { .. });
+            return Err(CrsdError::Waveform { kind: radar.waveform.kind(), droops });
         };
         let is_whole = header.replica.iter().all(|z| z.re.is_finite() && z.im.is_finite());
         if header.replica.is_empty() || !is_whole {

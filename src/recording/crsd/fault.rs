@@ -84,12 +84,16 @@ pub enum CrsdError {
     },
     /// A waveform that is no linear sweep.
     #[error(
-        "the waveform is {}; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\")",
-        if *kind == "samples" { "read from a file" } else { kind }
+        "the waveform is {}{}; allowed for CRSD: linear frequency modulation (radar.waveform.kind = \"lfm\"){}",
+        if *kind == "samples" { "read from a file" } else { kind },
+        if *droops { " and droops" } else { "" },
+        if *droops { ", without droop (radar.waveform.droop_db = 0)" } else { "" }
     )]
     Waveform {
         /// Its kind.
         kind: &'static str,
+        /// Whether its amplitude falls from its begin to its end.
+        droops: bool,
     },
     /// The transmitted pulse is missing.
     #[error("has no replica of finite samples, which range compression needs; allowed: a whole recording")]
