@@ -11,7 +11,7 @@
 //! | --- | --- | --- |
 //! | scattered pilots, `k = 3 (l mod 4) + 12 p` | `4/3 * 2 (1/2 - w_k)` | 4.5.3 |
 //! | continual pilots | the same in every symbol | 4.5.4 |
-//! | signalling (TPS) | `+-1`, differential from symbol to symbol | 4.6 |
+//! | signalling (TPS) | `+-1`, differential | 4.6 |
 //! | data | points of the constellation, of mean power 1 | 4.3.5 |
 //!
 //! `w_k` is the sequence of `X^11 + X^2 + 1` from all ones. A receiver finds mode, guard, constellation, frame
@@ -19,8 +19,7 @@
 //! non-hierarchical, rate 2/3. Symbols are drawn by their number, so that any part of a run is the same part
 //! of the signal.
 
-use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use nereus_fft::Fft;
 use num_complex::Complex64;
@@ -50,8 +49,6 @@ const SIGNALLING: [usize; 17] =
 const SYNC: u32 = 0b0011_0101_1110_1110;
 /// `X^14 + X^9 + X^8 + X^6 + X^5 + X^4 + X^2 + X + 1` of the code of the signalling.
 const GENERATOR: u32 = 0b100_0011_0111_0111;
-/// Symbols that are kept.
-const KEPT: usize = 8;
 /// Part of the stream of random numbers: noise has another.
 const PART: u64 = 1;
 
@@ -64,9 +61,6 @@ enum Carrier {
     Signalling,
 }
 
-/// A symbol, guard first.
-type Symbol = Arc<[Complex64]>;
-
 /// A DVB-T signal.
 pub struct Television {
     of: DvbT,
@@ -78,7 +72,6 @@ pub struct Television {
     bits: [[bool; SYMBOLS as usize]; FRAMES as usize],
     scale: f64,
     inverse: Arc<dyn Fft<f64>>,
-    kept: Mutex<VecDeque<(u64, Symbol)>>,
 }
 
 impl Television {
@@ -101,7 +94,6 @@ impl Television {
             bits: std::array::from_fn(|frame| signalling(of, frame)),
             scale: 1.0,
             inverse: nereus_fft::inverse(of.samples()),
-            kept: Mutex::default(),
         };
         let power = |symbol: u64| -> f64 {
             let of = |k: usize| if own.is_pilot(symbol, k) { BOOST * BOOST } else { 1.0 };
@@ -138,26 +130,15 @@ impl Television {
             .collect()
     }
 
-    fn symbol(&self, number: u64) -> Symbol {
-        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, symbol)) = kept().iter().find(|(own, _)| *own == number) {
-            return Arc::clone(symbol);
-        }
-        let (samples, guard) = (self.of.samples(), self.of.guard_samples());
-        let mut values = vec![Complex64::ZERO; samples];
-        let cells = self.cells(number);
-        let middle = cells.len() / 2;
+    /// The samples of a symbol without its guard.
+    fn symbol(&self, number: u64, out: &mut Vec<Complex64>) {
+        let (samples, cells) = (self.of.samples(), self.cells(number));
+        out.clear();
+        out.resize(samples, Complex64::ZERO);
         for (k, cell) in cells.iter().enumerate() {
-            values[(k + samples - middle) % samples] = cell * self.scale;
+            out[(k + samples - cells.len() / 2) % samples] = cell * self.scale;
         }
-        self.inverse.process(&mut values);
-        let symbol: Symbol = values[samples - guard..].iter().chain(&values).copied().collect();
-        let mut kept = kept();
-        kept.push_back((number, Arc::clone(&symbol)));
-        if kept.len() > KEPT {
-            kept.pop_front();
-        }
-        symbol
+        self.inverse.process(out);
     }
 }
 
@@ -175,15 +156,17 @@ impl Signal for Television {
     }
 
     fn fill(&self, first: u64, out: &mut [Complex64]) {
-        let length = (self.of.samples() + self.of.guard_samples()) as u64;
-        let mut at = first;
-        let mut rest = out;
+        let (samples, guard) = (self.of.samples(), self.of.guard_samples());
+        let length = (samples + guard) as u64;
+        let (mut at, mut rest, mut symbol) = (first, out, Vec::new());
         while !rest.is_empty() {
             let (number, from) = (at / length, (at % length) as usize);
-            let symbol = self.symbol(number);
-            let own = &symbol[from..];
-            let (now, later) = rest.split_at_mut(own.len().min(rest.len()));
-            now.copy_from_slice(&own[..now.len()]);
+            self.symbol(number, &mut symbol);
+            let (now, later) = rest.split_at_mut((samples + guard - from).min(rest.len()));
+            for (sample, place) in now.iter_mut().zip(from..) {
+                // The guard is the end of what follows.
+                *sample = symbol[(place + samples - guard) % samples];
+            }
             at += now.len() as u64;
             rest = later;
         }
