@@ -6,8 +6,8 @@
 //!
 //! Receivers err, and messages are garbled: a report is **refused** where the ship would have to turn faster
 //! than it can, or to be faster than its reports have it by half, since the last one that was kept, counted
-//! from one about pulse 0. What is reported is rounded (0.1 degree, 0.1 knot, 0.2 m) and wrong by some metres:
-//! that much is allowed on top.
+//! from one about pulse 0. What is reported is rounded (0.1 degree, 0.1 knot, 0.2 m) and wrong by some
+//! metres: that much is allowed on top.
 //!
 //! Limits: course over ground for the heading; reports are taken for exact.
 
