@@ -5,8 +5,9 @@
 //! the quintic through all ([`crate::scene::trajectory`]).
 //!
 //! Receivers err, and messages are garbled: a report is **refused** where the ship would have to turn faster
-//! than it can, or to be faster than its reports have it by half, since the last one that was kept. What is
-//! reported is rounded (0.1 degree, 0.1 knot, 0.2 m) and wrong by some metres: that much is allowed on top.
+//! than it can, or to be faster than its reports have it by half, since the last one that was kept, counted
+//! from one about pulse 0. What is reported is rounded (0.1 degree, 0.1 knot, 0.2 m) and wrong by some
+//! metres: that much is allowed on top.
 //!
 //! Limits: course over ground for the heading; reports are taken for exact.
 
@@ -30,32 +31,49 @@ pub struct Reported {
     pub velocity_mps: [f64; 2],
 }
 
+/// Reports about pulse 0, on either side, from each of which a way is tried: any of them may be garbled.
+const TRIED: usize = 2;
+
 /// Reports, in their order of time, that a ship can have made that turns no faster; and how many it cannot.
-/// Of those with the same time the first is kept.
+/// Of those with the same time the first is kept. Ways lead from a report about pulse 0 to both ends; that
+/// which keeps most is taken.
 pub fn plausible(reports: &[Reported], most_turn_radps: f64) -> (Vec<Reported>, usize) {
-    let mut kept: Vec<Reported> = Vec::with_capacity(reports.len());
-    let mut refused = 0;
+    let mut own: Vec<Reported> = Vec::with_capacity(reports.len());
     for report in reports {
-        let Some(last) = kept.last() else {
-            kept.push(*report);
-            continue;
-        };
-        let gap_s = report.time_s - last.time_s;
-        if gap_s <= 0.0 {
-            continue;
+        if own.last().is_none_or(|last| report.time_s > last.time_s) {
+            own.push(*report);
         }
-        let heading = |of: &Reported| of.velocity_mps[1].atan2(of.velocity_mps[0]);
-        let turn = heading(report) - heading(last);
-        let turn_rad = turn.sin().atan2(turn.cos()).abs();
-        let [before_mps, after_mps] = [last, report].map(|of| of.velocity_mps[0].hypot(of.velocity_mps[1]));
-        let fastest_mps = before_mps.max(after_mps);
-        let heads = before_mps.min(after_mps) >= LEAST_MPS;
-        let [x, y] = [0, 1].map(|i| report.position_m[i] - last.position_m[i]);
-        let possible = (!heads || turn_rad <= most_turn_radps * gap_s + WRONG_RAD)
-            && x.hypot(y) <= 1.5 * fastest_mps * gap_s + WRONG_M;
-        if possible { kept.push(*report) } else { refused += 1 }
     }
+    let from = |first: usize| {
+        let chain = |mut kept: Vec<Reported>, report: &Reported| {
+            if kept.last().is_none_or(|last| is_possible(last, report, most_turn_radps)) {
+                kept.push(*report);
+            }
+            kept
+        };
+        let mut kept = own[..=first].iter().rev().fold(Vec::new(), chain);
+        kept.reverse();
+        own[first + 1..].iter().fold(kept, chain)
+    };
+    let now = own.partition_point(|report| report.time_s < 0.0);
+    let tried = now.saturating_sub(TRIED)..(now + TRIED).min(own.len());
+    // Of equals the first.
+    let kept = tried.rev().map(from).max_by_key(Vec::len).unwrap_or_default();
+    let refused = own.len() - kept.len();
     (kept, refused)
+}
+
+/// Whether a ship that turns no faster can have made both reports, of different times.
+fn is_possible(one: &Reported, other: &Reported, most_turn_radps: f64) -> bool {
+    let gap_s = (other.time_s - one.time_s).abs();
+    let heading = |of: &Reported| of.velocity_mps[1].atan2(of.velocity_mps[0]);
+    let turn = heading(other) - heading(one);
+    let turn_rad = turn.sin().atan2(turn.cos()).abs();
+    let speeds_mps = [one, other].map(|of| of.velocity_mps[0].hypot(of.velocity_mps[1]));
+    let heads = speeds_mps[0].min(speeds_mps[1]) >= LEAST_MPS;
+    let [x, y] = [0, 1].map(|i| other.position_m[i] - one.position_m[i]);
+    (!heads || turn_rad <= most_turn_radps * gap_s + WRONG_RAD)
+        && x.hypot(y) <= 1.5 * speeds_mps[0].max(speeds_mps[1]) * gap_s + WRONG_M
 }
 
 /// Knots of the way through reports; heights are 0.
@@ -124,6 +142,9 @@ mod tests {
         reports.insert(3, Reported { time_s: reports[2].time_s, ..reports[9] });
         let (kept, refused) = plausible(&reports, 0.02);
         assert_eq!((kept.len(), refused), (18, 2));
+        // Nor does the first one decide.
+        reports[0].position_m[0] += 5000.0;
+        assert_eq!((plausible(&reports, 0.02).0.len(), plausible(&reports, 0.02).1), (17, 3));
         // A bound below what it does lets it go on only once it has come round again.
         assert!(plausible(&reports, 0.001).1 > 10);
     }

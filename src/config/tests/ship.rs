@@ -105,6 +105,7 @@ const RECORDING: &str = "time_utc,x_m,y_m,z_m\n2024-05-01T11:59:59Z,-5,0,7\n2024
 fn tracked(table: &str) -> Result<Run, ConfigError> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("way.csv"), RECORDING).unwrap();
+    std::fs::write(folder.path().join("deep.csv"), RECORDING.replace(",7\n", ",-7\n")).unwrap();
     let text = SEA.replace("[scene]\n", "[scene]\nstart_utc = \"2024-05-01T12:00:00Z\"\n");
     parse(&format!("{text}\n{table}\n"), &folder.path().join("my.toml"), &[])
 }
@@ -156,8 +157,9 @@ fn faults_of_tracks_are_named() {
     );
     has(&format!("[[target]]\nrcs_m2 = 1\n{open} }}\nposition_m = [0, 0, 0]"), "the target has a track");
     let own = format!("[[target]]\nrcs_m2 = 1\n{open}, heights = \"recorded\" }}\n");
-    has(&format!("{own}floating = true"), "target.0.floating: the sea lifts a floating target");
-    has(&format!("{own}height_m = 3"), "target.0.height_m: not allowed here (heights = \"recorded\")");
+    has(&format!("{own}floating = true"), "target.1.floating: the sea lifts a floating target");
+    has(&own.replace("way", "deep"), "target.1.track.path: ");
+    has(&format!("{own}height_m = 3"), "target.1.height_m: not allowed here (heights = \"recorded\")");
     let round = |points: &str, radius_m: &str| {
         format!(
             "{HULL}track = {{ kind = \"waypoints\", waypoints_m = {points}, speed_mps = 5, turn_radius_m = {radius_m} }}"
