@@ -14,10 +14,10 @@
 //! | signalling (TPS) | `+-1`, differential | 4.6 |
 //! | data | points of the constellation, of mean power 1 | 4.3.5 |
 //!
-//! `w_k` is the sequence of `X^11 + X^2 + 1` from all ones. A receiver finds mode, guard, constellation, frame
-//! and pilots. The **data are drawn**: no transport stream, no code that could be decoded; signalling says
-//! non-hierarchical, rate 2/3. Symbols are drawn by their number, so that any part of a run is the same part
-//! of the signal.
+//! `w_k` is the sequence of `X^11 + X^2 + 1` from all ones. A receiver finds mode, guard, constellation,
+//! frame and pilots. The **data are drawn**: no transport stream, no code that could be decoded; signalling
+//! says non-hierarchical, rate 2/3. Symbols are drawn by their number, so that any part of a run is the same
+//! part of the signal.
 
 use std::sync::Arc;
 
