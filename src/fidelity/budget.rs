@@ -90,7 +90,7 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Share of the power of the echo above which it is looked up when a facet turns away.
+    /// Share of the power of the echo above which a facet that turns away is settled at its pulse.
     pub fn turning(&self) -> f64 {
         10f64.powf((self.asked.error_db - TURNING_DB) / 10.0)
     }

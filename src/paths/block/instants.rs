@@ -166,7 +166,8 @@ pub struct Tiers {
     /// Share of its power that a tile may lack for being evaluated at its supports alone; `None`: at every
     /// pulse.
     pub between: Option<f64>,
-    /// Share of the power of all above which it is looked up when a facet turns away; `None`: it is not.
+    /// Share of the power of all above which a facet that turns away is settled by the surface at that
+    /// pulse; `None`: none is.
     pub turning: Option<f64>,
 }
 

@@ -291,7 +291,7 @@ impl PathGenerator {
         let mut tally = Tally::default();
         let Some(sea) = &self.sea else { return tally };
         let mut again = Tally::default();
-        work.turning.look_from(samples.iter().map(|sample| sample.received_power_w), patch.len());
+        work.turning.set_least(samples.iter().map(|sample| sample.received_power_w), patch.len());
         for runs in Cut::of(patch.facets).tiles() {
             let facets = work.take(runs) as u64;
             tally.facets += facets;

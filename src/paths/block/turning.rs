@@ -32,7 +32,7 @@ const ROUNDING: f32 = 1e-6;
 /// Finds when facets turn; one per thread.
 #[derive(Clone, Default)]
 pub(super) struct Turning {
-    /// Power above which a facet is looked at, over the mean power of a facet; `None`: none is.
+    /// Power above which a facet counts, over that of all; `None`: none does.
     pub least: Option<f64>,
     /// The same of every pair of the block at hand, W.
     pub least_w: Vec<f32>,
@@ -91,9 +91,9 @@ impl Turned<'_> {
 }
 
 impl Turning {
-    /// Sets the power above which facets of a patch of so many are looked at, of the mean power of a facet
-    /// over every pair, W.
-    pub fn look_from(&mut self, mean_w: impl Iterator<Item = f64>, facets: usize) {
+    /// Sets the power above which a facet counts, of the mean power of a facet of a patch of so many over
+    /// every pair, W. A pair of which the sample has nothing has none that count.
+    pub fn set_least(&mut self, mean_w: impl Iterator<Item = f64>, facets: usize) {
         let Self { least, least_w, .. } = self;
         least_w.clear();
         let share = least.map_or(f64::INFINITY, |least| least * facets as f64);

@@ -86,7 +86,7 @@ pub(crate) struct BlockEcho {
     between: Option<f64>,
     /// Power over the mean of a facet below which one is left out, or a part of one.
     least_power: Least,
-    /// The same of one of which it is looked up when it turns away, over the power of the echo.
+    /// Power over that of the echo above which a facet that turns away is settled at its pulse.
     turning: f64,
     pulses: u64,
     /// Where no two emissions are alike.
