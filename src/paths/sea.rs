@@ -158,12 +158,15 @@ pub(super) fn patch_at(
 /// A bound on the height of ships' waves: every wave at its crest, m.
 fn crest_m(wakes: &[Wake]) -> f64 {
     let of_wake = |wake: &Wake| wake.nodes().iter().map(|node| node.amplitude_m.norm()).sum::<f64>();
-    // Legs of a ship follow each other; their windows add up to 1.
+    // Legs of a ship follow each other; at a corner waves of two of them may stand at full height.
     let follows = |a: &Wake, b: &Wake| match (a.leg(), b.leg()) {
         (Some(a), Some(b)) => a.end_s.is_some() && a.end_s == b.begin_s,
         _ => false,
     };
-    let highest = |ship: &[Wake]| ship.iter().map(of_wake).fold(0.0, f64::max);
+    let highest = |ship: &[Wake]| {
+        let of_two = ship.windows(2).map(|two| two.iter().map(of_wake).sum());
+        of_two.chain(ship.iter().map(of_wake)).fold(0.0, f64::max)
+    };
     wakes.chunk_by(follows).map(highest).sum()
 }
 

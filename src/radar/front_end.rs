@@ -83,8 +83,9 @@ impl FrontEnd {
         }
         let windows = radar.window_leads().len();
         let channel = |channel: &crate::scene::radar::Channel| {
-            let platform = radar.transmitters.get(channel.transmitter).map(|end| end.antenna.platform);
-            let beside = platform == radar.receivers.get(channel.receiver).map(|end| end.antenna.platform);
+            // One switch serves all channels of a receiver.
+            let own = radar.receivers.get(channel.receiver).map(|end| end.antenna.platform);
+            let beside = radar.transmitters.iter().any(|end| Some(end.antenna.platform) == own);
             (if windows > 1 { channel.receiver } else { 0 }, beside)
         };
         let balanced = of.iq_gain_db == 0.0 && of.iq_phase_rad == 0.0;
