@@ -90,7 +90,7 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Share of the power of the echo above which a facet that turns away is settled at its pulse.
+    /// Share of the power of the echo above which a facet that turns away is decided at its pulse.
     pub fn turning(&self) -> f64 {
         10f64.powf((self.asked.error_db - TURNING_DB) / 10.0)
     }

@@ -31,7 +31,7 @@ pub struct EchoSettings {
     pub between: Option<f64>,
     /// Power over the mean of a facet below which one is left out, or a part of one.
     pub least_power: Least,
-    /// Share of the power of the echo above which a facet that turns away is settled at its pulse.
+    /// Share of the power of the echo above which a facet that turns away is decided at its pulse.
     pub turning: f64,
     /// Word length.
     pub precision: Precision,

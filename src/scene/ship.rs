@@ -49,7 +49,7 @@ pub struct Sailed {
 }
 
 impl Sailed {
-    /// On a trajectory, at a time after pulse 0; one that stands still heads as it is told.
+    /// On a trajectory, at a time after pulse 0; one that stands still heads as given.
     pub fn on(trajectory: &Trajectory, elapsed_s: f64, otherwise: [f64; 2]) -> Self {
         let now = trajectory.at(elapsed_s);
         let ([x_m, y_m, _], [vx, vy, _]) = (now.position.to_array(), now.velocity.to_array());

@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn a_laptop_that_saves_power_is_told_what_to_do() {
+    fn a_laptop_that_saves_power_has_a_remedy() {
         let (_folder, system) = system(&[
             ("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "powersave\n"),
             ("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "performance\n"),

@@ -477,7 +477,7 @@ impl PathGenerator {
             if !turning.is_certain() {
                 let elapsed_s = self.radar.emissions.elapsed_s(timing.instants.first + pulse as u64);
                 let at = (&turned, pulse, &tile.slow);
-                turning.settle(at, (facet_surface, elapsed_s, patch), place, out);
+                turning.decide(at, (facet_surface, elapsed_s, patch), place, out);
             }
         }
         tile.pairs[pair].factor = factor;

@@ -166,7 +166,7 @@ pub struct Tiers {
     /// Share of its power that a tile may lack for being evaluated at its supports alone; `None`: at every
     /// pulse.
     pub between: Option<f64>,
-    /// Share of the power of all above which a facet that turns away is settled by the surface at that
+    /// Share of the power of all above which a facet that turns away is decided by the surface at that
     /// pulse; `None`: none is.
     pub turning: Option<f64>,
 }

@@ -142,7 +142,7 @@ impl Turning {
     }
 
     /// Sets the factors of those that are in doubt at a pulse of the block, by the surface at its time.
-    pub fn settle(
+    pub fn decide(
         &mut self,
         (of, pulse, slow): (&Turned<'_>, usize, &SlowTime),
         (surface, elapsed_s, patch): (&mut NodeSurface, f64, &Patch),
@@ -189,7 +189,7 @@ impl Turning {
         }
     }
 
-    /// The block is done: nothing is settled before the next, which may be of another patch.
+    /// The block is done: nothing is decided before the next, which may be of another patch.
     pub fn rest(&mut self) {
         self.least_w.clear();
         if let Some((at_s, _)) = &mut self.surface {

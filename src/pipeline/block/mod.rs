@@ -86,7 +86,7 @@ pub(crate) struct BlockEcho {
     between: Option<f64>,
     /// Power over the mean of a facet below which one is left out, or a part of one.
     least_power: Least,
-    /// Power over that of the echo above which a facet that turns away is settled at its pulse.
+    /// Power over that of the echo above which a facet that turns away is decided at its pulse.
     turning: f64,
     pulses: u64,
     /// Where no two emissions are alike.
