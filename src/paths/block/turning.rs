@@ -14,6 +14,7 @@
 //! `w^2 = g sqrt(2) pi / facet`. Two differences, for where one of a wave passes zero the other is largest.
 
 use std::f64::consts::{PI, SQRT_2};
+use std::ops::Range;
 
 use super::instants::{NODES, through};
 use super::slow_time::SlowTime;
@@ -28,6 +29,9 @@ use crate::sea::surface::Fields;
 
 /// What rounding may leave of a cosine.
 const ROUNDING: f32 = 1e-6;
+/// How near to zero a cosine must be at a node to pass it beside, over the largest step between nodes: twice
+/// what a wave of 0.63 rad from node to node can bend.
+const BESIDE: f32 = 0.25;
 
 /// Finds when facets turn; one per thread.
 #[derive(Clone, Default)]
@@ -43,12 +47,14 @@ pub(super) struct Turning {
 }
 
 /// A strong facet that may turn within the block.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Doubtful {
     lane: usize,
     /// Of the cosines to both antennas: the difference of the highest order that the nodes have, and the
     /// largest of the order below.
     differences: [[f32; 2]; 2],
+    /// Pulses between nodes about which it may pass zero.
+    pulses: Range<usize>,
     /// Factor at the pulse at hand, were it not turned away.
     factor: f32,
 }
@@ -110,6 +116,7 @@ impl Turning {
         if !least_w.is_finite() || nodes < 2 {
             return;
         }
+        let places = &of.timing.instants.nodes[..of.timing.instants.node_count];
         let mut bound = [0.0f32; LANES];
         variant.run(Bounds(of.pair, of.count, &mut bound));
         for lane in (0..of.count).filter(|lane| bound[*lane] > least_w) {
@@ -118,8 +125,17 @@ impl Turning {
                 weights[node] = 1.0;
                 of.cosine(end, lane, &weights, None)
             };
+            let mut pulses = usize::MAX..0;
             let differences = [0, 1].map(|end| {
                 let mut c: [f32; NODES] = std::array::from_fn(|n| if n < nodes { at(end, n) } else { 0.0 });
+                let steps = c.windows(2).take(nodes - 1);
+                let most = steps.clone().map(|two| (two[1] - two[0]).abs()).fold(0.0, f32::max);
+                for (two, ends) in steps.zip(places.windows(2)) {
+                    let passes = (two[0] > 0.0) != (two[1] > 0.0);
+                    if passes || two[0].abs().min(two[1].abs()) < BESIDE * most + ROUNDING {
+                        pulses = pulses.start.min(ends[0])..pulses.end.max(ends[1] + 1);
+                    }
+                }
                 let mut below = 0.0f32;
                 for order in 1..nodes {
                     below = c[..=nodes - order].iter().fold(0.0, |most, own| most.max(own.abs()));
@@ -127,7 +143,9 @@ impl Turning {
                 }
                 [c[0].abs(), below]
             });
-            doubtful.push(Doubtful { lane, differences, factor: 0.0 });
+            if !pulses.is_empty() {
+                doubtful.push(Doubtful { lane, differences, pulses, factor: 0.0 });
+            }
         }
     }
 
@@ -161,7 +179,8 @@ impl Turning {
             about.fold(0.0f32, |most, epoch| most.max(epoch.power[lane]))
         };
         let mut weights = None;
-        for own in doubtful.iter().filter(|own| power(own.lane) * own.factor * own.factor > least_w) {
+        let there = doubtful.iter().filter(|own| own.pulses.contains(&pulse) && own.factor != 0.0);
+        for own in there.filter(|own| power(own.lane) * own.factor * own.factor > least_w) {
             let weights = weights.get_or_insert_with(|| through(places, pulse, slow));
             let cosine = |end: usize, slope| of.cosine(end, own.lane, weights, slope);
             let doubts = [0, 1].map(|end| {
