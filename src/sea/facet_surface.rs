@@ -114,8 +114,18 @@ impl<T: Real> FacetSurface<T> {
         Fields::sized(patch.len(), self.selection)
     }
 
-    /// Fields at a time in seconds from t = 0, over a patch with the facets of the surface. `out` must have
-    /// been made for as many facets, which with ships are those of the patch that they were given.
+    /// Room for the slopes alone and what these need, in any precision.
+    pub(crate) fn room_for_slopes<U: Real>(&self, patch: &Patch) -> Fields<U> {
+        if self.choppy.is_some() {
+            return self.room(patch);
+        }
+        let slope = [(); 2].map(|()| vec![U::default(); patch.len()]);
+        Fields { slope, ..Fields::default() }
+    }
+
+    /// Fields at a time in seconds from t = 0, over a patch with the facets of the surface: those of `out`
+    /// that have room. It must be for as many facets, which with ships are those of the patch that they
+    /// were given.
     ///
     /// # Errors
     /// Fields of another size, or a time that is out of reach.
@@ -134,7 +144,10 @@ impl<T: Real> FacetSurface<T> {
                 self.time_s = Some(time_s);
             }
             for (from, to) in self.whole.columns().into_iter().zip(out.columns_mut()) {
-                if to.len() != if from.is_empty() { 0 } else { patch.len() } {
+                if to.is_empty() {
+                    continue;
+                }
+                if from.is_empty() || to.len() != patch.len() {
                     return Err(SurfaceError::FieldSize { found: to.len(), needed: patch.len() }.into());
                 }
                 for (iy, row) in to.chunks_exact_mut(patch.facets[0]).enumerate() {

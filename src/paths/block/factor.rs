@@ -164,31 +164,3 @@ impl Task for Stretched<'_> {
         }
     }
 }
-
-/// Zeroes facets whose cosine is not positive.
-pub(super) struct Turn<'a> {
-    pub count: usize,
-    pub epochs: &'a [Epoch],
-    pub weights: &'a [f32],
-    pub out: &'a mut Row,
-}
-
-impl Task for Turn<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let n = lanes_for(self.count);
-        for end in 0..2 {
-            let mut cosine = [0.0f32; LANES];
-            for (epoch, weight) in self.epochs.iter().zip(self.weights) {
-                for i in 0..n {
-                    cosine[i] += weight * epoch.cosine[end][i];
-                }
-            }
-            for i in 0..n {
-                self.out[i] = if cosine[i] > 0.0 { self.out[i] } else { 0.0 };
-            }
-        }
-    }
-}

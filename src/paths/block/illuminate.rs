@@ -3,7 +3,7 @@
 use num_complex::Complex32;
 
 use super::TileWork;
-use super::factor::{Illuminated, Shadowed, Stretched, Turn, Turns, Weigh};
+use super::factor::{Illuminated, Shadowed, Stretched, Turns, Weigh};
 use super::runs::Gather;
 use super::tile::{CHANNELS_PER_LAYER, Epoch, Pair, compact};
 use super::timing::Timing;
@@ -461,7 +461,7 @@ impl PathGenerator {
         let supports = tile.supports.chosen();
         let (number, count, interval_s) = (pair, tile.count, tile.interval_s);
         let turned = Turned { pair: &tile.pairs[pair], number, timing, count, interval_s, slopes };
-        turning.find(&turned, *variant);
+        turning.find(&turned, patch, *variant);
         let mut factor = std::mem::take(&mut tile.pairs[pair].factor);
         let turned = Turned { pair: &tile.pairs[pair], number, timing, count, interval_s, slopes };
         let place = |lane: usize| {
@@ -470,11 +470,8 @@ impl PathGenerator {
         };
         for (row, out) in factor.iter_mut().enumerate() {
             let pulse = supports.map_or(row, |own| own.pulses()[row]);
-            turning.keep(out);
-            let (start, weights) = &timing.cosines[pulse];
-            let epochs = &turned.pair.epochs()[*start..];
-            variant.run(Turn { count: tile.count, epochs, weights, out });
-            if !turning.is_certain() {
+            turning.turn(&turned, pulse, *variant, out);
+            if turning.is_in_doubt() {
                 let elapsed_s = self.radar.emissions.elapsed_s(timing.instants.first + pulse as u64);
                 let at = (&turned, pulse, &tile.slow);
                 turning.decide(at, (facet_surface, elapsed_s, patch), place, out);

@@ -21,6 +21,20 @@ pub(super) enum NodeSurface {
     Double(Box<FacetSurface<f64>>, Box<Fields<f64>>),
 }
 
+/// Slopes of all facets at an instant.
+#[derive(Clone)]
+pub(super) struct Slopes {
+    fields: Fields<f32>,
+    fine: Option<Fields<f64>>,
+}
+
+impl Slopes {
+    /// Of a facet, by its place in the patch.
+    pub fn of(&self, index: usize) -> [f32; 2] {
+        self.fields.slope.each_ref().map(|slope| slope[index])
+    }
+}
+
 impl NodeSurface {
     /// Of a sea; `fine`: in f64. `None` where its wakes are illegal.
     pub fn of(sea: &SeaPlan, selection: Selection, fine: bool) -> Option<Self> {
@@ -53,6 +67,32 @@ impl NodeSurface {
                 out.round_from(fine);
                 Ok(())
             }
+        }
+    }
+
+    /// Room for the slopes alone.
+    pub fn slopes(&self, patch: &Patch) -> Slopes {
+        match self {
+            Self::Single(surface) => Slopes { fields: surface.room_for_slopes(patch), fine: None },
+            Self::Double(surface, _) => {
+                let (fields, fine) = (surface.room_for_slopes(patch), surface.room_for_slopes(patch));
+                Slopes { fields, fine: Some(fine) }
+            }
+        }
+    }
+
+    /// Slopes at a time.
+    ///
+    /// # Errors
+    /// Those of [`FacetSurface::evaluate`].
+    pub fn evaluate_slopes(&mut self, time_s: f64, patch: &Patch, out: &mut Slopes) -> Result<(), WakeError> {
+        match (self, &mut out.fine) {
+            (Self::Double(surface, _), Some(fine)) => {
+                surface.evaluate(time_s, patch, fine)?;
+                out.fields.round_from(fine);
+                Ok(())
+            }
+            (own, _) => own.evaluate(time_s, patch, &mut out.fields),
         }
     }
 

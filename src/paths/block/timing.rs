@@ -4,6 +4,7 @@ use super::instants::{
     EPOCH_POINTS, GAIN_POINTS, Instants, NODES, Tier, epochs_about, gain_instants, gain_weights, through,
 };
 use super::slow_time::SlowTime;
+use super::turning::left_at;
 use crate::paths::PathGenerator;
 use crate::paths::emission::Emission;
 use crate::radar::fault::RadarError;
@@ -23,6 +24,8 @@ pub(super) struct Timing {
     pub epochs: Vec<EpochInstant>,
     /// Weights of the scattering epochs for the cosines, `[pulse]`: first, and weights from there on.
     pub cosines: Vec<(usize, [f32; EPOCH_POINTS])>,
+    /// By pulse, what a polynomial through the nodes leaves ([`left_at`]).
+    pub left: Vec<(usize, f32)>,
 }
 
 /// Those of all tiers.
@@ -99,10 +102,12 @@ impl Timing {
         }
         self.lagrange.clear();
         self.cosines.clear();
+        self.left.clear();
         for pulse in 0..instants.pulses {
             self.lagrange.push(gain_weights(&self.gain_places, pulse, slow));
             let first = epochs_about(epochs, pulse..=pulse);
             let points = EPOCH_POINTS.min(epochs.len());
+            self.left.push(left_at(own, pulse, slow));
             self.cosines.push((first, through(&epochs[first..first + points], pulse, slow)));
         }
         Ok(())

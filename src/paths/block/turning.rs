@@ -13,19 +13,20 @@
 //! differences of the cosine at the nodes, and `w` is the frequency of the shortest waves of the grid,
 //! `w^2 = g sqrt(2) pi / facet`. Two differences, for where one of a wave passes zero the other is largest.
 
+// Lanes are counted: so they become vectors.
+#![allow(clippy::needless_range_loop)]
+
 use std::f64::consts::{PI, SQRT_2};
-use std::ops::Range;
 
 use super::instants::{NODES, through};
 use super::slow_time::SlowTime;
-use super::surface::NodeSurface;
-use super::tile::{Bounds, Pair};
+use super::surface::{NodeSurface, Slopes};
+use super::tile::{Bounds, Epoch, Node, Pair};
 use super::timing::Timing;
-use crate::cpu::Variant;
-use crate::geometry::lanes::{LANES, Row};
+use crate::cpu::{Task, Variant};
+use crate::geometry::lanes::{LANES, Row, lanes_for};
 use crate::scene::Patch;
 use crate::sea::GRAVITY_MPS2;
-use crate::sea::surface::Fields;
 
 /// What rounding may leave of a cosine.
 const ROUNDING: f32 = 1e-6;
@@ -40,23 +41,25 @@ pub(super) struct Turning {
     pub least: Option<f64>,
     /// The same of every pair of the block at hand, W.
     pub least_w: Vec<f32>,
-    /// Facets of the tile and pair at hand that may be in doubt.
-    doubtful: Vec<Doubtful>,
+    /// Of the tile and pair at hand.
+    bends: Box<Bends>,
+    /// Whether some facet of it may turn.
+    turns: bool,
+    /// Facets in doubt at the pulse at hand, and their factors were they not turned away.
+    doubtful: Vec<(usize, f32)>,
     /// The surface at a pulse, made when first asked for.
-    surface: Option<(f64, Box<Fields<f32>>)>,
+    surface: Option<(f64, Slopes)>,
 }
 
-/// A strong facet that may turn within the block.
+/// What a polynomial through the nodes may leave of cosines from a node to the next, over [`left_at`];
+/// negative where a facet does not count or does not pass zero. `[end][node]`.
 #[derive(Clone)]
-struct Doubtful {
-    lane: usize,
-    /// Of the cosines to both antennas: the difference of the highest order that the nodes have, and the
-    /// largest of the order below.
-    differences: [[f32; 2]; 2],
-    /// Pulses between nodes about which it may pass zero.
-    pulses: Range<usize>,
-    /// Factor at the pulse at hand, were it not turned away.
-    factor: f32,
+struct Bends([[Row; NODES]; 2]);
+
+impl Default for Bends {
+    fn default() -> Self {
+        Self([[[0.0; LANES]; NODES]; 2])
+    }
 }
 
 /// The tile and pair at hand.
@@ -81,18 +84,24 @@ impl Turned<'_> {
         (step_s * (GRAVITY_MPS2 * SQRT_2 * PI / patch.facet_m).sqrt()) as f32
     }
 
-    /// Cosine of a facet to an antenna, but for the length of the normal, at directions and slopes that are
-    /// sums over the nodes.
-    fn cosine(&self, end: usize, lane: usize, weights: &[f32; NODES], slope: Option<[f32; 2]>) -> f32 {
-        let (mut k, mut mean) = ([0.0f32; 3], [0.0f32; 2]);
-        for ((node, slopes), weight) in self.pair.nodes().iter().zip(self.slopes).zip(weights) {
-            let of = if end == 0 { &node.paths.incident } else { &node.paths.scattered };
+    /// Cosine of a facet of some slope to an antenna, along a direction that is a sum over the nodes.
+    fn cosine(&self, end: usize, lane: usize, weights: &[f32; NODES], slope: [f32; 2]) -> f32 {
+        let mut k = [0.0f32; 3];
+        for (node, weight) in self.pair.nodes().iter().zip(weights) {
+            let (of, _) = direction(node, end);
             k.iter_mut().zip(of).for_each(|(k, row)| *k += weight * row[lane]);
-            mean.iter_mut().zip(slopes).for_each(|(slope, row)| *slope += weight * row[lane]);
         }
-        let [sx, sy] = slope.unwrap_or(mean);
         let sign = if end == 0 { -1.0 } else { 1.0 };
-        sign * (k[2] - k[0] * sx - k[1] * sy)
+        sign * (k[2] - k[0] * slope[0] - k[1] * slope[1])
+    }
+
+    /// Power of a facet about a pulse, but for its factor, W.
+    fn power_w(&self, lane: usize, pulse: usize) -> f32 {
+        let instants = &self.timing.instants;
+        let epochs = &instants.epochs[..instants.epoch_count];
+        let after = epochs.partition_point(|epoch| *epoch <= pulse).clamp(1, epochs.len().max(2) - 1);
+        let about = self.pair.epochs().iter().take(after + 1).skip(after - 1);
+        about.fold(0.0f32, |most, epoch| most.max(epoch.power[lane]))
     }
 }
 
@@ -107,59 +116,49 @@ impl Turning {
             .extend(mean_w.map(|mean_w| if mean_w > 0.0 { (share * mean_w) as f32 } else { f32::INFINITY }));
     }
 
-    /// Finds the facets of a tile and pair that may be in doubt at some pulse.
-    pub fn find(&mut self, of: &Turned<'_>, variant: Variant) {
-        let Self { least_w, doubtful, .. } = self;
-        doubtful.clear();
+    /// Finds whether facets of a tile and pair may be in doubt at some pulse.
+    pub fn find(&mut self, of: &Turned<'_>, patch: &Patch, variant: Variant) {
+        let Self { least_w, bends, turns, .. } = self;
         let least_w = least_w.get(of.number).copied().unwrap_or(f32::INFINITY);
-        let nodes = of.pair.nodes().len();
-        if !least_w.is_finite() || nodes < 2 {
+        *turns = false;
+        if !least_w.is_finite() || of.pair.nodes().len() < 2 {
             return;
         }
-        let places = &of.timing.instants.nodes[..of.timing.instants.node_count];
-        let mut bound = [0.0f32; LANES];
-        variant.run(Bounds(of.pair, of.count, &mut bound));
-        for lane in (0..of.count).filter(|lane| bound[*lane] > least_w) {
-            let at = |end: usize, node: usize| {
-                let mut weights = [0.0; NODES];
-                weights[node] = 1.0;
-                of.cosine(end, lane, &weights, None)
-            };
-            let mut pulses = usize::MAX..0;
-            let differences = [0, 1].map(|end| {
-                let mut c: [f32; NODES] = std::array::from_fn(|n| if n < nodes { at(end, n) } else { 0.0 });
-                let steps = c.windows(2).take(nodes - 1);
-                let most = steps.clone().map(|two| (two[1] - two[0]).abs()).fold(0.0, f32::max);
-                for (two, ends) in steps.zip(places.windows(2)) {
-                    let passes = (two[0] > 0.0) != (two[1] > 0.0);
-                    if passes || two[0].abs().min(two[1].abs()) < BESIDE * most + ROUNDING {
-                        pulses = pulses.start.min(ends[0])..pulses.end.max(ends[1] + 1);
-                    }
-                }
-                let mut below = 0.0f32;
-                for order in 1..nodes {
-                    below = c[..=nodes - order].iter().fold(0.0, |most, own| most.max(own.abs()));
-                    (0..nodes - order).for_each(|n| c[n] = c[n + 1] - c[n]);
-                }
-                [c[0].abs(), below]
-            });
-            if !pulses.is_empty() {
-                doubtful.push(Doubtful { lane, differences, pulses, factor: 0.0 });
-            }
+        let mut bound_w = [0.0f32; LANES];
+        variant.run(Bounds(of.pair, of.count, &mut bound_w));
+        if bound_w[..of.count].iter().all(|bound_w| *bound_w <= least_w) {
+            return;
+        }
+        let (nodes, slopes, count, turn_rad) = (of.pair.nodes(), of.slopes, of.count, of.turn_rad(patch));
+        *turns = variant.run(Bend { nodes, slopes, count, turn_rad, bound_w: &bound_w, least_w, bends });
+    }
+
+    /// Leaves facets out that are turned away at a pulse of the block, and finds those that are in doubt.
+    pub fn turn(&mut self, of: &Turned<'_>, pulse: usize, variant: Variant, factor: &mut Row) {
+        self.doubtful.clear();
+        let (start, weights) = &of.timing.cosines[pulse];
+        let (count, epochs) = (of.count, &of.pair.epochs()[*start..]);
+        if !self.turns {
+            variant.run(Turn { count, epochs, weights, doubt: None, factor });
+            return;
+        }
+        let (before, mut near) = (*factor, [0.0; LANES]);
+        let (node, left) = of.timing.left[pulse];
+        let doubt = Some((self.bends.0.each_ref().map(|of_end| &of_end[node]), left, &mut near));
+        if variant.run(Turn { count, epochs, weights, doubt, factor }) {
+            let least_w = self.least_w[of.number];
+            let there = (0..count).filter(|lane| near[*lane] > 0.0);
+            let counts = |lane: &usize| of.power_w(*lane, pulse) * before[*lane].powi(2) > least_w;
+            self.doubtful.extend(there.filter(counts).map(|lane| (lane, before[lane])));
         }
     }
 
-    /// Whether there is none.
-    pub fn is_certain(&self) -> bool {
-        self.doubtful.is_empty()
+    /// Whether some are.
+    pub fn is_in_doubt(&self) -> bool {
+        !self.doubtful.is_empty()
     }
 
-    /// Keeps the factors of a pulse before any facet is turned away.
-    pub fn keep(&mut self, factor: &Row) {
-        self.doubtful.iter_mut().for_each(|own| own.factor = factor[own.lane]);
-    }
-
-    /// Sets the factors of those that are in doubt at a pulse of the block, by the surface at its time.
+    /// Sets the factors of those that are in doubt at a pulse, by the surface at its time.
     pub fn decide(
         &mut self,
         (of, pulse, slow): (&Turned<'_>, usize, &SlowTime),
@@ -167,44 +166,24 @@ impl Turning {
         place: impl Fn(usize) -> ([i64; 2], [f32; 2]),
         out: &mut Row,
     ) {
-        let instants = &of.timing.instants;
-        let least_w = self.least_w[of.number];
         let Self { doubtful, surface: known, .. } = self;
-        let places = &instants.nodes[..instants.node_count];
-        let (left, turn_rad) = (left_at(places, pulse, slow), of.turn_rad(patch));
-        let (epochs, of_epochs) = (&instants.epochs[..instants.epoch_count], of.pair.epochs());
-        let after = epochs.partition_point(|epoch| *epoch <= pulse).clamp(1, epochs.len().max(2) - 1);
-        let power = |lane: usize| {
-            let about = of_epochs.iter().take(after + 1).skip(after - 1);
-            about.fold(0.0f32, |most, epoch| most.max(epoch.power[lane]))
-        };
-        let mut weights = None;
-        let there = doubtful.iter().filter(|own| own.pulses.contains(&pulse) && own.factor != 0.0);
-        for own in there.filter(|own| power(own.lane) * own.factor * own.factor > least_w) {
-            let weights = weights.get_or_insert_with(|| through(places, pulse, slow));
-            let cosine = |end: usize, slope| of.cosine(end, own.lane, weights, slope);
-            let doubts = [0, 1].map(|end| {
-                let [highest, below] = own.differences[end];
-                let most = left * turn_rad * highest.hypot(turn_rad * below);
-                cosine(end, None).abs() < most + ROUNDING
-            });
-            if doubts == [false; 2] {
-                continue;
+        let (at_s, slopes) = known.get_or_insert_with(|| (f64::NAN, surface.slopes(patch)));
+        if *at_s != elapsed_s {
+            *at_s = f64::NAN;
+            // Its nodes were found: so is this.
+            if surface.evaluate_slopes(elapsed_s, patch, slopes).is_err() {
+                return;
             }
-            let (at_s, fields) = known.get_or_insert_with(|| (f64::NAN, Box::new(surface.fields(patch))));
-            if *at_s != elapsed_s {
-                *at_s = f64::NAN;
-                // Its nodes were found: so is this.
-                if surface.evaluate(elapsed_s, patch, fields).is_err() {
-                    continue;
-                }
-                *at_s = elapsed_s;
-            }
-            let (key, fall) = place(own.lane);
-            let index = patch.nearest_index(key);
-            let slope = [0, 1].map(|axis| fields.slope[axis][index] - fall[axis]);
-            let faces = [0, 1].map(|end| cosine(end, Some(slope)) > 0.0);
-            out[own.lane] = if faces == [true; 2] { own.factor } else { 0.0 };
+            *at_s = elapsed_s;
+        }
+        let instants = &of.timing.instants;
+        let weights = through(&instants.nodes[..instants.node_count], pulse, slow);
+        for &(lane, factor) in &*doubtful {
+            let (key, fall) = place(lane);
+            let [sx, sy] = slopes.of(patch.nearest_index(key));
+            let slope = [sx - fall[0], sy - fall[1]];
+            let faces = [0, 1].map(|end| of.cosine(end, lane, &weights, slope) > 0.0);
+            out[lane] = if faces == [true; 2] { factor } else { 0.0 };
         }
     }
 
@@ -217,10 +196,130 @@ impl Turning {
     }
 }
 
-/// What a polynomial through nodes leaves at a pulse, over the next difference that it does not know.
-fn left_at(places: &[usize], pulse: usize, slow: &SlowTime) -> f32 {
-    let (Some(first), Some(last)) = (places.first(), places.last()) else { return 0.0 };
+/// Directions to an antenna of a pair at a node, and the sign of a cosine along them.
+#[inline(always)]
+fn direction(node: &Node, end: usize) -> (&[Row; 3], f32) {
+    if end == 0 { (&node.paths.incident, -1.0) } else { (&node.paths.scattered, 1.0) }
+}
+
+/// How much cosines may bend between nodes; whether any facet that counts passes zero.
+struct Bend<'a> {
+    nodes: &'a [Node],
+    slopes: &'a [[Row; 2]; NODES],
+    count: usize,
+    turn_rad: f32,
+    /// Bound on the power of each facet, and that above which it counts, W.
+    bound_w: &'a Row,
+    least_w: f32,
+    bends: &'a mut Bends,
+}
+
+impl Task for Bend<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Self { nodes, slopes, count, turn_rad, bound_w, least_w, bends } = self;
+        let n = lanes_for(count);
+        let mut passes = [0.0f32; LANES];
+        for end in 0..2 {
+            let mut cosines = [[0.0f32; LANES]; NODES];
+            for ((node, slope), cosine) in nodes.iter().zip(slopes).zip(&mut cosines) {
+                let (k, sign) = direction(node, end);
+                for i in 0..n {
+                    cosine[i] = sign * (k[2][i] - k[0][i] * slope[0][i] - k[1][i] * slope[1][i]);
+                }
+            }
+            let mut step = [0.0f32; LANES];
+            for two in cosines[..nodes.len()].windows(2) {
+                for i in 0..n {
+                    step[i] = largest(step[i], two[1][i] - two[0][i]);
+                }
+            }
+            let mut bend = [0.0f32; LANES];
+            let [a, b, c, d] = &cosines;
+            for i in 0..n {
+                // The difference of the highest order, and the largest of the order below.
+                let (highest, below) = match nodes.len() {
+                    2 => (b[i] - a[i], largest(a[i], b[i])),
+                    3 => (c[i] - 2.0 * b[i] + a[i], largest(b[i] - a[i], c[i] - b[i])),
+                    _ => {
+                        let (first, second) = (c[i] - 2.0 * b[i] + a[i], d[i] - 2.0 * c[i] + b[i]);
+                        (second - first, largest(first, second))
+                    }
+                };
+                let below = turn_rad * below;
+                bend[i] = turn_rad * (highest * highest + below * below).sqrt();
+            }
+            for node in 0..nodes.len() - 1 {
+                let (from, to, out) = (&cosines[node], &cosines[node + 1], &mut bends.0[end][node]);
+                for i in 0..n {
+                    let nearest = if from[i].abs() < to[i].abs() { from[i].abs() } else { to[i].abs() };
+                    let near = (from[i] > 0.0) != (to[i] > 0.0) || nearest < BESIDE * step[i] + ROUNDING;
+                    out[i] = if near && bound_w[i] > least_w { bend[i] } else { -1.0 };
+                    passes[i] = if out[i] >= 0.0 { 1.0 } else { passes[i] };
+                }
+            }
+        }
+        passes[..count.min(LANES)].iter().any(|passes| *passes > 0.0)
+    }
+}
+
+/// The larger of two, without their signs.
+#[inline(always)]
+fn largest(a: f32, b: f32) -> f32 {
+    if a.abs() > b.abs() { a.abs() } else { b.abs() }
+}
+
+/// Zeroes the factors of facets whose cosine is not positive; whether any is nearer to zero than can be told.
+struct Turn<'a> {
+    count: usize,
+    epochs: &'a [Epoch],
+    /// Of the epochs.
+    weights: &'a [f32],
+    /// How much cosines to both antennas bend about the pulse, over what of it is left there, and which
+    /// facets are in doubt.
+    doubt: Option<([&'a Row; 2], f32, &'a mut Row)>,
+    factor: &'a mut Row,
+}
+
+impl Task for Turn<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Self { count, epochs, weights, mut doubt, factor } = self;
+        let n = lanes_for(count);
+        let mut any = 0.0f32;
+        for end in 0..2 {
+            let mut cosine = [0.0f32; LANES];
+            for (epoch, weight) in epochs.iter().zip(weights) {
+                for i in 0..n {
+                    cosine[i] += weight * epoch.cosine[end][i];
+                }
+            }
+            if let Some((bends, left, near)) = &mut doubt {
+                let bends = bends[end];
+                for i in 0..n {
+                    let most = if bends[i] < 0.0 { -1.0 } else { *left * bends[i] + ROUNDING };
+                    near[i] = if cosine[i].abs() < most { 1.0 } else { near[i] };
+                    any = if near[i] > any { near[i] } else { any };
+                }
+            }
+            for i in 0..n {
+                factor[i] = if cosine[i] > 0.0 { factor[i] } else { 0.0 };
+            }
+        }
+        any > 0.0
+    }
+}
+
+/// At a pulse, the node before it, and what a polynomial through nodes leaves there, over the next difference
+/// that it does not know.
+pub(super) fn left_at(places: &[usize], pulse: usize, slow: &SlowTime) -> (usize, f32) {
+    let (Some(first), Some(last)) = (places.first(), places.last()) else { return (0, 0.0) };
     let step = (slow.at(*last) - slow.at(*first)) / (places.len() - 1).max(1) as f64;
     let of = |(n, place): (usize, &usize)| (slow.at(pulse) - slow.at(*place)) / (step * (n + 1) as f64);
-    places.iter().enumerate().map(of).product::<f64>().abs() as f32
+    let left = places.iter().enumerate().map(of).product::<f64>().abs() as f32;
+    (places.partition_point(|place| *place <= pulse).clamp(1, places.len().max(2) - 1) - 1, left)
 }

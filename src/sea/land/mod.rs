@@ -301,7 +301,9 @@ impl LandSheet {
         let of = |index: usize| T::round_from(f64::from(self.columns.height_m[index]));
         let [east, north] = &self.columns.slope;
         for (index, _) in self.columns.land.iter().enumerate().filter(|(_, land)| **land > 0.0) {
-            height_m[index] = of(index);
+            if let Some(height_m) = height_m.get_mut(index) {
+                *height_m = of(index);
+            }
             for (slope, own) in slope.iter_mut().zip([east, north]) {
                 if let Some(slope) = slope.get_mut(index) {
                     *slope = T::round_from(f64::from(own[index]));
