@@ -9,6 +9,7 @@ use super::doctor::DoctorArgs;
 use super::export::ExportArgs;
 use super::fit::FitArgs;
 use super::focus::FocusArgs;
+use super::import::ImportArgs;
 use super::manpages::ManpagesArgs;
 use super::merge::MergeArgs;
 use super::monitor::MonitorArgs;
@@ -58,6 +59,8 @@ pub enum Command {
     Snapshot(SnapshotArgs),
     /// Tabulate the models (spectra, sigma0, antenna) as CSV
     Table(Box<TableArgs>),
+    /// Make a scenario of a scene of another program
+    Import(ImportArgs),
     /// Join recordings of parts of one run
     Merge(MergeArgs),
     /// Export a recording to CRSD 1.0 or SigMF

@@ -23,6 +23,9 @@ pub enum Refused {
     /// Options that do not go together, or not with what they are about.
     #[error("{asked}: allowed: {allowed}")]
     Value { asked: String, allowed: String },
+    /// A scene of another program that cannot be read.
+    #[error("{}:{}", shown(path), below(faults))]
+    Import { path: PathBuf, faults: Vec<String> },
     /// Shards without a pulse.
     #[error("--shard {shard}: the run has {pulses} pulses; allowed: at most as many shards")]
     MoreShardsThanPulses { shard: crate::recording::shard::Shard, pulses: u64 },
@@ -117,6 +120,11 @@ impl Refused {
     pub(super) fn value(key: &str, found: impl std::fmt::Display, allowed: impl Into<String>) -> Self {
         Self::Value { asked: format!("--{key} {found}"), allowed: allowed.into() }
     }
+}
+
+/// Faults, a line each.
+fn below(faults: &[String]) -> String {
+    faults.iter().map(|fault| format!("\n  {}", one_line(fault))).collect()
 }
 
 /// The recording that a fault is about, where it does not bear its name.

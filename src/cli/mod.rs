@@ -14,6 +14,7 @@ mod export;
 mod fit;
 mod focus;
 #[cfg(unix)]
+mod import;
 mod large_pages;
 mod manpages;
 mod merge;
@@ -164,6 +165,7 @@ pub fn execute(arguments: &Arguments, begun: Instant, out: &mut dyn Write) -> Re
         Command::Nav(args) => nav::nav(args, out),
         Command::Doctor(args) => doctor::doctor(args, out),
         Command::Completions(args) => completions::completions(args, Arguments::command(), out),
+        Command::Import(args) => import::import(args, out),
         Command::Manpages(args) => manpages::manpages(args, Arguments::command(), out),
         Command::ExamineRecording(args) => verify::examine_here(args),
     }

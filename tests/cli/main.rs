@@ -21,6 +21,7 @@ mod foreign_files;
 mod help;
 #[cfg(unix)]
 mod inputs;
+mod import;
 mod inspection;
 #[cfg(all(unix, feature = "serial"))]
 mod live_navigation;
