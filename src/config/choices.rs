@@ -14,6 +14,7 @@ pub(super) use crate::scene::sea::{Averaging, Breaking, LightWinds, Permittivity
 pub(super) use crate::scene::ship::UpAxis;
 pub(super) use crate::scene::water::WindProfile;
 pub(super) use crate::sinks::OnFailure;
+pub(super) use crate::sinks::asterix::{Bits, CellValue};
 pub(super) use crate::sinks::vita49::Profile;
 pub(super) use crate::sinks::zmq::Messages;
 pub(super) use crate::transport::{Pace, Policy};
@@ -98,9 +99,10 @@ choices! {
     RideKind { Level = "level", Waves = "waves" }
     EchoKind { Reference = "reference", Fast = "fast" }
     SinkKind {
-        Hdf5 = "hdf5", Plain = "plain", Crsd = "crsd", Vita49 = "vita49", Shm = "shm", Zmq = "zmq", Nav = "nav",
-        Null = "null"
+        Hdf5 = "hdf5", Plain = "plain", Crsd = "crsd", Vita49 = "vita49", Asterix = "asterix", Shm = "shm",
+        Zmq = "zmq", Nav = "nav", Targets = "targets", Null = "null"
     }
+    DetectionKind { Logarithmic = "log", Linear = "linear" }
     HeightsKind { Sea = "sea", Recorded = "recorded" }
     NavFormat { Nmea = "nmea", InspvaxAscii = "inspvaxa", InspvaxBinary = "inspvaxb" }
 }
@@ -197,5 +199,6 @@ words! {
     Policy { "stop" = Self::Stop, "slip" = Self::Slip, "drop" = Self::Drop, "relax" = Self::Relax }
     Messages { "samples" = Self::Samples, "multipart" = Self::Multipart }
     Profile { "nereus" = Self::Nereus, "difi" = Self::Difi }
+    CellValue { "peak" = Self::Peak, "mean" = Self::Mean }
     OnFailure { "stop" = Self::Stop, "continue" = Self::Continue }
 }

@@ -3,6 +3,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
+use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
 
 use super::choices::{self, Choice};
@@ -222,16 +223,27 @@ impl<'a> Section<'a> {
                 _ => None,
             };
         };
-        let Kind::Count { min, max } = key.kind else { return None };
+        let legal = |value: &u64| match key.kind {
+            Kind::Count { min, max } => (min..=max).contains(value),
+            Kind::OneOf(allowed) => allowed.contains(value),
+            _ => false,
+        };
         let Value::Integer(value) = node.value else {
             self.wrong_type(key, node);
             return None;
         };
-        let value = u64::try_from(value).ok().filter(|value| (min..=max).contains(value));
+        let value = u64::try_from(value).ok().filter(legal);
         if value.is_none() {
             self.out_of_range(key, node.shown());
         }
         value
+    }
+
+    /// The IPv4 address of an interface; `None` when absent or faulty.
+    pub(super) fn interface(&self, key: &'static Key) -> Option<Ipv4Addr> {
+        let (text, node) = self.text(key)?;
+        let address = text.parse().ok().filter(|address: &Ipv4Addr| !address.is_multicast());
+        self.typed(key, node, address)
     }
 
     /// A flag; `None` when faulty.

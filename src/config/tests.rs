@@ -30,6 +30,7 @@ mod sea;
 mod sea_defaults;
 mod ship;
 mod swell;
+mod video;
 mod waveforms;
 
 /// An emitter with every key but one of those of its train.
@@ -116,6 +117,7 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
     seas.extend(waveforms::variants());
     seas.extend(scanning::variants());
     seas.extend(front_end::variants());
+    seas.extend(video::variants());
     let seas = seas.iter().map(|(text, overrides)| (*text, &overrides[..]));
     for (text, overrides) in variants.iter().copied().chain(seas) {
         asked.extend(read(text, &in_configs(), &settings(overrides), Files::Required).asked);

@@ -34,7 +34,6 @@ use crate::recording::header::Header;
 use crate::scene::Scene;
 use crate::sea::fleet::{self, FleetError};
 use crate::sinks;
-use crate::sinks::crsd::Plan as CrsdPlan;
 use crate::sinks::sink::{SinkError, SinkReport, drain};
 use crate::transport::fanout::Fed;
 use crate::transport::pacer::{InHand, Status};
@@ -48,7 +47,7 @@ use super::clock_start;
 use super::control::{CommandQueue, Control, control};
 use super::live::LiveNav;
 use super::memory::{PROGRAM_BYTES, sea_bytes};
-use super::outputs::{self, crsd_plan, header, open_all, placed, same_kind};
+use super::outputs::{self, Plans, header, open_all, placed, same_kind};
 use super::plausible;
 use super::prepared::{Files, Prepared};
 use super::stages::PulseFactory;
@@ -75,7 +74,7 @@ pub struct PulseStream {
     is_whole: bool,
     header: Header,
     sinks: Vec<sinks::Settings>,
-    crsd: Option<CrsdPlan>,
+    plans: Plans,
     pool: ThreadPool,
     prepared: Arc<Prepared>,
     sea_bytes: u64,
@@ -267,7 +266,7 @@ fn built(
     let scene = prepared.files().laden(scene)?;
     let header = header(run, scene, (&factory, &coarser), &schedule, changes.as_ref());
     header.check().map_err(SinkError::from)?;
-    let crsd = crsd_plan(run, scene, &header)?;
+    let plans = Plans::of(run, scene, &header)?;
     // Every worker has a block in hand while one waits to be released.
     let block_pulses = coarser.iter().map(PulseFactory::block_pulses).fold(factory.block_pulses(), u64::max);
     let block = usize::try_from(block_pulses).unwrap_or(usize::MAX);
@@ -284,7 +283,7 @@ fn built(
         schedule,
         header,
         sinks: run.sinks.clone(),
-        crsd,
+        plans,
         pool,
         prepared,
         sea_bytes: needed,
@@ -495,7 +494,7 @@ impl PulseStream {
             schedule,
             header,
             sinks,
-            crsd,
+            plans,
             pool,
             live,
             control,
@@ -529,7 +528,7 @@ impl PulseStream {
             }
             None => None,
         };
-        let opened = open_all(&sinks, &header, crsd.as_ref())?;
+        let opened = open_all(&sinks, &header, &plans)?;
         for (place, (settings, sink)) in sinks.iter().zip(opened).enumerate() {
             let name = match sinks.iter().take(place).filter(|s| same_kind(&s.kind, &settings.kind)).count() {
                 0 => sink.name().to_owned(),

@@ -43,7 +43,9 @@ pub mod sea_map;
 mod single;
 #[doc(hidden)]
 pub mod stages;
+mod targets;
 pub mod tracks;
+mod video;
 mod workers;
 
 pub(crate) use workers::yield_to_pacer;

@@ -3,8 +3,10 @@
 use std::iter;
 use std::sync::Arc;
 
-use super::navigation;
 use super::stages::PulseFactory;
+use super::targets::Observed;
+use super::video::{full_dbw, video};
+use super::{navigation, targets};
 use crate::config::Run;
 use crate::motion::changes::Changes;
 use crate::nav::TrackSource;
@@ -130,7 +132,7 @@ pub(super) fn header(
 }
 
 /// What CRSD sinks need to know of a run; none without such a sink.
-pub(super) fn crsd_plan(run: &Run, scene: &Scene, header: &Header) -> Result<Option<Plan>, SinkError> {
+fn crsd_plan(run: &Run, scene: &Scene, header: &Header) -> Result<Option<Plan>, SinkError> {
     if !run.sinks.iter().any(|sink| matches!(sink.kind, Kind::Crsd { .. })) {
         return Ok(None);
     }
@@ -144,11 +146,36 @@ pub(super) fn crsd_plan(run: &Run, scene: &Scene, header: &Header) -> Result<Opt
     Ok(Some(Plan { description, planned }))
 }
 
-fn open(
-    settings: &sinks::Settings,
-    header: &Header,
-    crsd: Option<&Plan>,
-) -> Result<Box<dyn Sink>, SinkError> {
+/// What sinks need to know of a run beside its header.
+pub(super) struct Plans {
+    crsd: Option<Plan>,
+    noise_figure_db: Option<f64>,
+    observed: Option<Observed>,
+}
+
+impl Plans {
+    /// Those of a run.
+    ///
+    /// # Errors
+    /// Of a sink that cannot take what the run makes.
+    pub(super) fn of(run: &Run, scene: &Scene, header: &Header) -> Result<Self, SinkError> {
+        // A sink that makes nothing of these pulses is found before anything is opened.
+        for sink in &run.sinks {
+            if let Kind::Asterix(settings) = &sink.kind {
+                video(settings, header)?;
+            }
+        }
+        let is_asked = run.sinks.iter().any(|sink| matches!(sink.kind, Kind::Targets(_)));
+        Ok(Self {
+            crsd: crsd_plan(run, scene, header)?,
+            noise_figure_db: scene.radar.noise_figure_db,
+            // Not the scene that is made ready: that has scatterers of ships among its targets.
+            observed: is_asked.then(|| Observed::of(&run.scene)),
+        })
+    }
+}
+
+fn open(settings: &sinks::Settings, header: &Header, plans: &Plans) -> Result<Box<dyn Sink>, SinkError> {
     Ok(match &settings.kind {
         #[cfg(feature = "hdf5")]
         Kind::Hdf5 { path, segment_s, force } => {
@@ -157,7 +184,7 @@ fn open(
         #[cfg(not(feature = "hdf5"))]
         Kind::Hdf5 { path, .. } => return Err(SinkError::NoHdf5 { path: path.clone() }),
         Kind::Plain { path, force } => Box::new(sinks::plain::PlainSink::create(path, *force, header)?),
-        Kind::Crsd { path, force } => match crsd {
+        Kind::Crsd { path, force } => match &plans.crsd {
             Some(plan) => Box::new(CrsdSink::create(path, *force, plan)?),
             None => return Err(SinkError::CrsdLive),
         },
@@ -167,9 +194,17 @@ fn open(
         #[cfg(not(feature = "shm"))]
         Kind::Shm(settings) => return Err(SinkError::NoShm { service: settings.service.clone() }),
         Kind::Zmq(settings) => Box::new(sinks::zmq::ZmqSink::open(settings, header)?),
+        Kind::Asterix(settings) => {
+            let full_dbw = full_dbw(settings, plans.noise_figure_db, header.pulse_s);
+            Box::new(sinks::asterix::AsterixSink::open(settings, video(settings, header)?, full_dbw)?)
+        }
         Kind::Nav(settings) => {
-            let encoder = navigation::encoder(&settings.messages, header).ok_or(SinkError::NoOrigin)?;
+            let encoder = navigation::encoder(settings, header).ok_or(SinkError::NoOrigin)?;
             Box::new(sinks::nav::NavSink::open(settings, encoder, header)?)
+        }
+        Kind::Targets(settings) => {
+            let encoder = plans.observed.as_ref().and_then(|all| targets::encoder(settings, all, header));
+            Box::new(sinks::nav::NavSink::of_targets(settings, encoder.ok_or(SinkError::NoOrigin)?, header)?)
         }
         Kind::Null => Box::new(sinks::null::NullSink::new()),
     })
@@ -179,11 +214,11 @@ fn open(
 pub(super) fn open_all(
     sinks: &[sinks::Settings],
     header: &Header,
-    crsd: Option<&Plan>,
+    plans: &Plans,
 ) -> Result<Vec<Box<dyn Sink>>, SinkError> {
     let mut opened: Vec<Box<dyn Sink>> = Vec::with_capacity(sinks.len());
     for settings in sinks {
-        match open(settings, header, crsd) {
+        match open(settings, header, plans) {
             Ok(sink) => opened.push(sink),
             Err(error) => {
                 opened.iter_mut().for_each(|sink| sink.abandon());

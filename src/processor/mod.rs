@@ -9,6 +9,7 @@
 //! | [`point_target`] | what an image makes of a point: width, side lobes, place |
 //! | [`degradation`] | what navigation errors do to a point: predicted from the paths, closed forms |
 //! | [`ppi`] | plan position picture of a scanning antenna: power over range and reported bearing |
+//! | [`video`] | a pulse to powers of range cells, as fast as pulses come |
 //! | [`multilook`] | means of power, percentiles |
 
 pub mod taper;
@@ -20,5 +21,6 @@ pub mod point_target;
 pub mod degradation;
 pub mod focus;
 pub mod ppi;
+pub mod video;
 pub(crate) mod comparison;
 pub(crate) mod two_way_gain;

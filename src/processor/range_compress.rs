@@ -247,6 +247,12 @@ impl Compressor {
         bins
     }
 
+    /// What a bin of the echo is multiplied by without Doppler.
+    pub(super) fn filter(&self) -> Vec<Complex64> {
+        let own = self.transform(&mut self.replica.iter().copied());
+        own.iter().enumerate().map(|(k, q)| self.weight(k, *q)).collect()
+    }
+
     /// Compresses a window into [`Self::cells`] cells.
     pub fn compress(&self, window: &[Complex32], doppler_hz: f64) -> Vec<Complex32> {
         let spectrum = self.spectrum(window, doppler_hz);

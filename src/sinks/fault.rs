@@ -1,5 +1,6 @@
 //! Why a sink cannot be opened or has failed.
 
+use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -117,6 +118,28 @@ pub enum SinkError {
     NoShm {
         /// Name of the service.
         service: String,
+    },
+    /// A group to which nothing may be sent.
+    #[error("{address}: datagrams cannot go there; allowed: {allowed}")]
+    Group {
+        /// The address.
+        address: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// An interface by which nothing can be sent to a group.
+    #[error("interface = {interface}: {source}; allowed: the IPv4 address of an interface of this machine")]
+    Interface {
+        /// Its address.
+        interface: Ipv4Addr,
+        /// What the system reported.
+        source: std::io::Error,
+    },
+    /// A video that cannot be made of the pulses.
+    #[error("asterix: {found}")]
+    Video {
+        /// Why, and what is allowed.
+        found: String,
     },
     /// Two sinks send to the same address.
     #[error("{address}: two sinks send there, with the same stream identifiers; each needs its own address")]

@@ -12,6 +12,7 @@
 //! assert!(faults[0].to_string().starts_with("src: exists already"));
 //! ```
 
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use crate::files;
@@ -38,6 +39,9 @@ pub mod crsd;
 pub mod vita49;
 #[doc(hidden)]
 pub mod zmq;
+#[doc(hidden)]
+pub mod asterix;
+pub(crate) mod link;
 #[doc(hidden)]
 pub mod shm;
 #[cfg(feature = "hdf5")]
@@ -110,8 +114,12 @@ pub enum Kind {
     Shm(shm::Settings),
     /// A ZeroMQ PUB socket.
     Zmq(zmq::Settings),
+    /// ASTERIX radar video over UDP.
+    Asterix(asterix::Settings),
     /// What a platform reports, on a port.
     Nav(nav::NavSettings),
+    /// What a radar and AIS report of targets, on a port.
+    Targets(nav::TargetSettings),
     /// Counts pulses and forgets them.
     Null,
 }
@@ -133,7 +141,13 @@ impl Kind {
             Self::Hdf5 { path, .. } => (path, "hdf5", names_hdf5(path)),
             Self::Plain { path, .. } => (path, "plain", path.extension().is_some_and(|end| end == "plain")),
             Self::Crsd { path, .. } => (path, "crsd", names_crsd(path)),
-            Self::Vita49(_) | Self::Shm(_) | Self::Zmq(_) | Self::Nav(_) | Self::Null => return None,
+            Self::Vita49(_)
+            | Self::Shm(_)
+            | Self::Zmq(_)
+            | Self::Asterix(_)
+            | Self::Nav(_)
+            | Self::Targets(_)
+            | Self::Null => return None,
         };
         let ends = ["h5", "hdf5", "crsd", "plain", "sigmf", "sigmf-meta", "sigmf-data", "zarr"];
         let names = path.extension().is_some_and(|end| ends.iter().any(|known| end == *known));
@@ -144,7 +158,13 @@ impl Kind {
     pub fn recording_path(&mut self) -> Option<&mut PathBuf> {
         match self {
             Self::Hdf5 { path, .. } | Self::Plain { path, .. } | Self::Crsd { path, .. } => Some(path),
-            Self::Vita49(_) | Self::Shm(_) | Self::Zmq(_) | Self::Nav(_) | Self::Null => None,
+            Self::Vita49(_)
+            | Self::Shm(_)
+            | Self::Zmq(_)
+            | Self::Asterix(_)
+            | Self::Nav(_)
+            | Self::Targets(_)
+            | Self::Null => None,
         }
     }
 
@@ -153,7 +173,8 @@ impl Kind {
         match self {
             Self::Hdf5 { force, .. } | Self::Plain { force, .. } | Self::Crsd { force, .. } => *force = true,
             Self::Nav(settings) => settings.force = true,
-            Self::Vita49(_) | Self::Shm(_) | Self::Zmq(_) | Self::Null => {}
+            Self::Targets(settings) => settings.force = true,
+            Self::Vita49(_) | Self::Shm(_) | Self::Zmq(_) | Self::Asterix(_) | Self::Null => {}
         }
     }
 }
@@ -182,11 +203,12 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
             Kind::Null => continue,
             Kind::Vita49(settings) => {
                 faults.extend(vita49::preflight(settings).err());
-                let to = vita49::resolve(&settings.address).ok();
-                if to.is_some() && sent_to.contains(&to) {
-                    faults.push(SinkError::SameAddress { address: settings.address.clone() });
-                }
-                sent_to.push(to);
+                claim_address(&settings.address, None, &mut sent_to, &mut faults);
+                continue;
+            }
+            Kind::Asterix(settings) => {
+                faults.extend(asterix::preflight(settings).err());
+                claim_address(&settings.address, Some(settings.source), &mut sent_to, &mut faults);
                 continue;
             }
             Kind::Shm(settings) => {
@@ -210,14 +232,15 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
                 }
                 continue;
             }
-            Kind::Nav(settings) => match settings.device.file() {
-                Some(path) => (path, false, port::preflight(path, settings.force).map_err(SinkError::from)),
-                None if !devices.contains(&&settings.device) => {
-                    devices.push(&settings.device);
+            Kind::Nav(nav::NavSettings { device, force, .. })
+            | Kind::Targets(nav::TargetSettings { device, force, .. }) => match device.file() {
+                Some(path) => (path, false, port::preflight(path, *force).map_err(SinkError::from)),
+                None if !devices.contains(&device) => {
+                    devices.push(device);
                     continue;
                 }
                 None => {
-                    faults.push(SinkError::Twice { path: settings.device.to_string().into() });
+                    faults.push(SinkError::Twice { path: device.to_string().into() });
                     continue;
                 }
             },
@@ -240,6 +263,25 @@ pub fn preflight(sinks: &[Settings]) -> Vec<SinkError> {
         faults.extend(result.err());
     }
     faults
+}
+
+/// An address to which a sink sends, and by what its datagrams are told from those of other sinks.
+type Sent = (SocketAddr, Option<asterix::Source>);
+
+/// Faults an address to which another sink sends, unless both say from which source.
+fn claim_address(
+    address: &str,
+    source: Option<asterix::Source>,
+    sent_to: &mut Vec<Sent>,
+    faults: &mut Vec<SinkError>,
+) {
+    let Ok(to) = link::resolve(address) else { return };
+    let is_same =
+        |other: &Sent| other.0 == to && (source.is_none() || other.1.is_none() || other.1 == source);
+    if sent_to.iter().any(is_same) {
+        faults.push(SinkError::SameAddress { address: address.to_owned() });
+    }
+    sent_to.push((to, source));
 }
 
 /// A complete output that replaces older ones of its kind without one of its own in their places, too: they

@@ -1,7 +1,8 @@
-//! Navigation out: what a platform reports, on a port, in step with the pulses.
+//! Messages on a port, in step with the pulses: what a platform reports, or what a radar and AIS report of
+//! targets.
 //!
 //! A message is sent at every tick of a rate of its own, counted from the emission of pulse 0: it holds the
-//! state reported at the first pulse at or after the tick, and bears the emission time of that pulse. With
+//! state at the first pulse at or after the tick, and bears the emission time of that pulse. With
 //! `latency_s` it leaves with the first pulse emitted that much later, as from a receiver that thinks for a
 //! while. With a rate above the PRF there is one message per pulse.
 //!
@@ -13,7 +14,7 @@ use std::time::Duration;
 
 use super::port::{self, Device, Port, PortFault};
 use super::sink::{Closed, Sink, SinkError, SinkReport};
-use crate::pulse::{PlatformRecord, Pulse};
+use crate::pulse::Pulse;
 use crate::recording::header::Header;
 use crate::time::TimeTag;
 
@@ -51,15 +52,73 @@ pub struct NavSettings {
     pub force: bool,
 }
 
-/// Turns states into messages.
-pub trait Encoder: Send {
-    /// Appends the messages of a state; false if it has none.
-    fn encode(&mut self, time: TimeTag, record: &PlatformRecord, out: &mut Vec<u8>) -> bool;
+/// A sentence about targets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TargetSentence {
+    /// Tracked target message: distance, bearing, course, speed, closest approach.
+    Ttm,
+    /// Target latitude and longitude.
+    Tll,
+    /// Radar system data: the range scale.
+    Rsd,
+    /// AIS: what ships report of themselves.
+    Vdm,
 }
 
-/// Sends what a platform reports.
+impl TargetSentence {
+    /// Its name, and all of them.
+    pub const NAMES: [(&'static str, Self); 4] =
+        [("TTM", Self::Ttm), ("TLL", Self::Tll), ("RSD", Self::Rsd), ("VDM", Self::Vdm)];
+
+    /// The sentence of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, sentence)| *sentence)
+    }
+}
+
+/// What is asked of an output of targets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TargetSettings {
+    /// The port.
+    pub device: Device,
+    /// Place of own ship in the navigation record.
+    pub platform: usize,
+    /// Sentences, in this order.
+    pub sentences: Vec<TargetSentence>,
+    /// Whether own ship's position and heading are the true ones; else as reported.
+    pub from_truth: bool,
+    /// Messages about each target a second.
+    pub rate_hz: f64,
+    /// Delay of a message in emission time, s.
+    pub latency_s: f64,
+    /// Replace a file of messages that exists.
+    pub force: bool,
+}
+
+/// Turns pulses into messages.
+pub trait Encoder: Send {
+    /// Appends the messages of a pulse; how many could not be made.
+    fn encode(&mut self, pulse: &Pulse, out: &mut Vec<u8>) -> u64;
+}
+
+/// Where messages go, and when.
+struct Ticks<'a> {
+    name: &'static str,
+    device: &'a Device,
+    rate_hz: f64,
+    latency_s: f64,
+    force: bool,
+    /// Whether every line is a message of its own; else all of a tick are one.
+    by_line: bool,
+}
+
+/// Sends messages.
 pub struct NavSink {
-    settings: NavSettings,
+    name: &'static str,
+    device: Device,
+    rate_hz: f64,
+    latency_s: f64,
+    by_line: bool,
     port: Port,
     encoder: Box<dyn Encoder>,
     start: TimeTag,
@@ -83,13 +142,37 @@ impl NavSink {
         encoder: Box<dyn Encoder>,
         header: &Header,
     ) -> Result<Self, SinkError> {
-        let device = settings.device.clone();
-        let port = Port::open(device, settings.force).map_err(|fault| match fault {
-            PortFault::System(source) => SinkError::Port { device: settings.device.to_string(), source },
+        let NavSettings { device, rate_hz, latency_s, force, .. } = settings;
+        let (rate_hz, latency_s, force) = (*rate_hz, *latency_s, *force);
+        Self::of(Ticks { name: "nav", device, rate_hz, latency_s, force, by_line: false }, encoder, header)
+    }
+
+    /// The same for messages about targets.
+    ///
+    /// # Errors
+    /// A port that cannot be opened, and a file that may not be replaced.
+    pub fn of_targets(
+        settings: &TargetSettings,
+        encoder: Box<dyn Encoder>,
+        header: &Header,
+    ) -> Result<Self, SinkError> {
+        let TargetSettings { device, rate_hz, latency_s, force, .. } = settings;
+        let (rate_hz, latency_s, force) = (*rate_hz, *latency_s, *force);
+        Self::of(Ticks { name: "targets", device, rate_hz, latency_s, force, by_line: true }, encoder, header)
+    }
+
+    fn of(ticks: Ticks<'_>, encoder: Box<dyn Encoder>, header: &Header) -> Result<Self, SinkError> {
+        let Ticks { name, device, rate_hz, latency_s, force, by_line } = ticks;
+        let port = Port::open(device.clone(), force).map_err(|fault| match fault {
+            PortFault::System(source) => SinkError::Port { device: device.to_string(), source },
             PortFault::File(fault) => fault.into(),
         })?;
         Ok(Self {
-            settings: settings.clone(),
+            name,
+            device: device.clone(),
+            rate_hz,
+            latency_s,
+            by_line,
             port,
             encoder,
             start: header.start,
@@ -104,12 +187,12 @@ impl NavSink {
 
     /// A file that cannot be written ends the sink.
     fn fault(&mut self) -> Result<(), SinkError> {
-        let path = self.settings.device.file().unwrap_or("".as_ref());
+        let path = self.device.file().unwrap_or("".as_ref());
         self.port.fault().map_or(Ok(()), |source| Err(SinkError::io(path, "writing")(source)))
     }
 
     fn tick_at(&self, time_s: f64) -> i64 {
-        (time_s * self.settings.rate_hz + ROUNDING).floor() as i64
+        (time_s * self.rate_hz + ROUNDING).floor() as i64
     }
 
     /// Sends what is due at a time, or all of it.
@@ -128,11 +211,11 @@ impl NavSink {
 
 impl Sink for NavSink {
     fn name(&self) -> &'static str {
-        "nav"
+        self.name
     }
 
     fn describe(&self) -> String {
-        format!("navigation to {}", self.settings.device)
+        format!("{} to {}", if self.by_line { "targets" } else { "navigation" }, self.device)
     }
 
     fn write(&mut self, pulse: &Pulse) -> Result<(), SinkError> {
@@ -142,15 +225,19 @@ impl Sink for NavSink {
         // Part of a run begins where the whole would be.
         let before = self.tick.unwrap_or_else(|| self.tick_at(since_s - self.interval_s));
         self.tick = Some(tick);
-        if tick > before
-            && let Some(record) = pulse.nav_reported.get(self.settings.platform)
-        {
+        if tick > before {
             self.message.clear();
-            if self.encoder.encode(pulse.time, record, &mut self.message) {
-                self.due.push_back((pulse.time.plus(self.settings.latency_s), self.message.len()));
-                self.waiting.extend(&self.message);
-            } else {
-                self.port.count_lost();
+            let lost = self.encoder.encode(pulse, &mut self.message);
+            (0..lost).for_each(|_| self.port.count_lost());
+            let due = pulse.time.plus(self.latency_s);
+            self.waiting.extend(&self.message);
+            match self.by_line {
+                true => {
+                    let lines = self.message.split_inclusive(|byte| *byte == b'\n');
+                    self.due.extend(lines.map(|line| (due, line.len())));
+                }
+                false if self.message.is_empty() => {}
+                false => self.due.push_back((due, self.message.len())),
             }
         }
         self.release(Some(pulse.time));
@@ -168,12 +255,12 @@ impl Sink for NavSink {
 
     fn close(&mut self) -> Result<Closed, SinkError> {
         self.release(None);
-        let files = self.settings.device.file().map(|path| path.to_owned()).into_iter().collect();
+        let files = self.device.file().map(|path| path.to_owned()).into_iter().collect();
         let (port, draft) = self.port.close(LAST_BYTES);
         self.fault()?;
         let force = draft.as_ref().is_some_and(|(_, force)| *force);
         let report = SinkReport {
-            name: "nav".to_owned(),
+            name: self.name.to_owned(),
             pulses: self.pulses,
             bytes: port.bytes,
             files,

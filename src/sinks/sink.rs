@@ -12,6 +12,7 @@ use crate::recording::source::pulses_in;
 use crate::transport::fanout::{Fed, Feed};
 use crate::units::counted;
 
+use super::asterix::VideoReport;
 use super::port::PortCounts;
 use super::vita49::WireReport;
 
@@ -236,6 +237,9 @@ pub struct SinkReport {
     /// Of a sink that others subscribe to: what became of its messages.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub subscribers: Option<SubscriberCounts>,
+    /// Of a sink that sends video: what became of its cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub video: Option<VideoReport>,
 }
 
 /// What became of the messages of a sink that others subscribe to.
@@ -295,7 +299,11 @@ impl SinkReport {
             .wire
             .as_ref()
             .map(|wire| format!("{name}: {} datagrams to {}", wire.datagrams, wire.address));
-        files.chain(published).chain(sent).collect()
+        let clipped = self.video.as_ref().filter(|video| video.clipped > 0).map(|video| {
+            let VideoReport { clipped, cells, .. } = video;
+            format!("{name}: {clipped} of {cells} cells are above the greatest code; see full_dbw")
+        });
+        files.chain(published).chain(sent).chain(clipped).collect()
     }
 
     /// What was lost on the way out.

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::program::nereus;
 
 /// An antenna that turns once in 0.2 s among four points, the last of them beyond North; noise.
-const SCENARIO: &str = r#"
+pub const SCENARIO: &str = r#"
 [scene]
 duration_s = 0.45
 seed = 3
@@ -58,7 +58,7 @@ path = "r.plain"
 "#;
 
 /// East, North and up of the targets from the mast.
-const TARGETS: [[f64; 3]; 4] =
+pub const TARGETS: [[f64; 3]; 4] =
     [[600.0, 500.0, -15.0], [-700.0, -200.0, -15.0], [100.0, -900.0, -15.0], [-1.0, 1000.0, -15.0]];
 
 fn recorded(folder: &Path, out: &str, settings: &[&str]) {

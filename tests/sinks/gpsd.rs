@@ -13,7 +13,7 @@ use nereus::frames::Geodetic;
 use nereus::nav::Sigma;
 use nereus::nav::encode::{Format, Sentence};
 use nereus::nav::solution::Solution;
-use nereus::pulse::{PlatformRecord, Pulse, SampleFormat};
+use nereus::pulse::{Pulse, SampleFormat};
 use nereus::sinks::nav::{Encoder, Messages, NavSettings, NavSink};
 use nereus::sinks::port::Device;
 use nereus::sinks::sink::Sink;
@@ -34,7 +34,8 @@ fn place(time: TimeTag, start: TimeTag) -> Geodetic {
 struct Boat(TimeTag, Format);
 
 impl Encoder for Boat {
-    fn encode(&mut self, time: TimeTag, _: &PlatformRecord, out: &mut Vec<u8>) -> bool {
+    fn encode(&mut self, pulse: &Pulse, out: &mut Vec<u8>) -> u64 {
+        let time = pulse.time;
         let solution = Solution {
             time,
             place: place(time, self.0),
@@ -43,7 +44,7 @@ impl Encoder for Boat {
             yaw_pitch_roll_rad: Some([0.9, 0.0, 0.0]),
             sigma: Sigma::default(),
         };
-        self.1.write(&solution, out).is_ok()
+        u64::from(self.1.write(&solution, out).is_err())
     }
 }
 

@@ -4,6 +4,7 @@
 
 #[path = "../support/cases.rs"]
 mod cases;
+mod asterix;
 mod emitters;
 #[cfg(all(unix, feature = "serial"))]
 mod gpsd;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nereus::pulse::{PlatformRecord, Pulse, SampleFormat};
+use nereus::pulse::{Pulse, SampleFormat};
 use nereus::sinks::nav::{Encoder, Messages, NavSettings, NavSink};
 use nereus::sinks::port::Device;
 use nereus::sinks::sink::{Sink, SinkReport};
@@ -15,10 +15,10 @@ use crate::recording_fixture::header;
 struct Plain(TimeTag);
 
 impl Encoder for Plain {
-    fn encode(&mut self, time: TimeTag, record: &PlatformRecord, out: &mut Vec<u8>) -> bool {
-        let ns = (time.since(self.0) * 1e9).round();
-        out.extend(format!("{ns} {}\n", record.position_m[0]).bytes());
-        true
+    fn encode(&mut self, pulse: &Pulse, out: &mut Vec<u8>) -> u64 {
+        let ns = (pulse.time.since(self.0) * 1e9).round();
+        out.extend(format!("{ns} {}\n", pulse.nav_reported[1].position_m[0]).bytes());
+        0
     }
 }
 

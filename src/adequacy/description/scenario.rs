@@ -11,6 +11,7 @@ use crate::radar::filter::ReceiveFilter;
 use crate::scene::radar::{AimFrom, Dechirp, Gate, Sweep, Taper, TxPolarisation, Waveform};
 use crate::scene::{Emitter, Radar};
 use crate::sinks::Kind;
+use crate::sinks::asterix::Detection;
 use crate::sinks::zmq::Messages;
 use crate::transport::{Pace, Policy};
 use crate::units::{counted, neat};
@@ -226,7 +227,17 @@ fn sink_text(kind: &Kind) -> String {
                 Messages::Multipart => format!("ZeroMQ, multipart messages at {}", settings.bind),
             }
         }
+        Kind::Asterix(settings) => format!(
+            "ASTERIX video over UDP to {}, {} bits, {}",
+            settings.address,
+            settings.bits.count(),
+            match settings.detection {
+                Detection::Logarithmic { dynamic_db } => format!("logarithmic over {} dB", neat(dynamic_db)),
+                Detection::Linear => "linear".to_owned(),
+            }
+        ),
         Kind::Nav(nav) => format!("navigation to {}, {} per second", nav.device, nav.rate_hz),
+        Kind::Targets(targets) => format!("targets to {}, {} per second", targets.device, targets.rate_hz),
         Kind::Null => "none (pulses are counted)".to_owned(),
     }
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::Finding;
 use crate::receive::listener::RECEIVE_BUFFER;
-use crate::sinks::vita49::SEND_BUFFER;
+use crate::sinks::link::SEND_BUFFER;
 use crate::transport::rights::{self, Right};
 
 const MIB: f64 = (1_u64 << 20) as f64;

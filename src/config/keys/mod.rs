@@ -74,6 +74,8 @@ pub enum Kind {
         /// Greatest value.
         max: u64,
     },
+    /// One of some whole numbers.
+    OneOf(&'static [u64]),
     /// `true` or `false`.
     Flag,
     /// One of some words, which this lists.
@@ -107,6 +109,8 @@ pub enum Kind {
     Origin,
     /// Host and port of the network.
     Address,
+    /// An interface of this machine, by its IPv4 address.
+    Interface,
     /// A file that exists, or one word.
     FileOr(&'static str),
     /// A table of its own.
@@ -319,6 +323,13 @@ impl Kind {
             }
             Self::Count { min, max } if *max == u64::MAX => format!("a whole number from {min} to 2^64 - 1"),
             Self::Count { min, max } => format!("a whole number from {min} to {max}"),
+            Self::OneOf(numbers) => {
+                let numbers: Vec<String> = numbers.iter().map(u64::to_string).collect();
+                numbers.join(" or ")
+            }
+            Self::Interface => {
+                "the IPv4 address of an interface of this machine, such as \"192.168.1.2\"".to_owned()
+            }
             Self::Flag => "true or false".to_owned(),
             Self::Choice(words) => {
                 let words: Vec<String> = words().iter().map(|w| format!("\"{w}\"")).collect();

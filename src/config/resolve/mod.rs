@@ -26,6 +26,7 @@ mod turbulent;
 mod slick;
 mod stream;
 mod target;
+mod video;
 mod way;
 
 use std::collections::HashMap;
@@ -242,6 +243,12 @@ impl Sources {
             fault(Problem::Live { found, place, allowed });
         }
     }
+}
+
+/// Host and port where a sink sends; the default depends on its kind.
+fn address_or(section: &Section<'_>, absent: &str) -> Option<String> {
+    let asked = section.address(&keys::sink::ADDRESS);
+    if section.has(&keys::sink::ADDRESS) { asked } else { Some(absent.to_owned()) }
 }
 
 /// Reads a whole scenario.

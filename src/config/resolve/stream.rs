@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Ground, Names, nav_out};
+use super::{Ground, Names, address_or, nav_out, video};
 use crate::config::choices::{EchoKind, PacerAhead, SinkKind};
 use crate::config::error::{Problem, Warning};
 use crate::config::keys::{self, Kind, figure};
@@ -193,8 +193,10 @@ pub(super) fn sinks(
         return Some(vec![sinks::Settings::new(sinks::Kind::Null, usize::try_from(defaults?.queue).ok()?)]);
     }
     let mut taken = Vec::new();
-    let sinks: Vec<Option<sinks::Settings>> =
-        sections.into_iter().map(|section| sink(section, ground, platforms, defaults, &mut taken)).collect();
+    let sinks: Vec<Option<sinks::Settings>> = sections
+        .into_iter()
+        .map(|section| sink(section, radar, ground, platforms, defaults, &mut taken))
+        .collect();
     sinks.into_iter().collect()
 }
 
@@ -210,14 +212,13 @@ struct Defaults {
 
 fn sink(
     section: Section<'_>,
+    radar: Option<&Radar>,
     ground: &Ground,
     platforms: &Names,
     defaults: Option<Defaults>,
     taken: &mut Vec<PathBuf>,
 ) -> Option<sinks::Settings> {
-    use keys::sink::{
-        ADDRESS, BIND, KIND, MTU_BYTES, ON_FAILURE, PATH, PROFILE, QUEUE_PULSES as QUEUE, SEGMENT_S,
-    };
+    use keys::sink::{BIND, KIND, MTU_BYTES, ON_FAILURE, PATH, PROFILE, QUEUE_PULSES as QUEUE, SEGMENT_S};
     let kind = match section.choice(&KIND) {
         Some(SinkKind::Hdf5) => {
             let has_segments = section.has(&SEGMENT_S);
@@ -226,12 +227,13 @@ fn sink(
             path.filter(|_| !has_segments || segment_s.is_some()).map(|path| hdf5(&section, path, segment_s))
         }
         Some(SinkKind::Nav) => nav_out::nav(&section, ground, platforms).map(sinks::Kind::Nav),
+        Some(SinkKind::Targets) => nav_out::targets(&section, ground, platforms).map(sinks::Kind::Targets),
         Some(SinkKind::Crsd) => output(&section, taken).map(|path| sinks::Kind::Crsd { path, force: false }),
         Some(SinkKind::Plain) => {
             output(&section, taken).map(|path| sinks::Kind::Plain { path, force: false })
         }
         Some(SinkKind::Vita49) => {
-            let (address, mtu_bytes) = (section.address(&ADDRESS), section.count(&MTU_BYTES));
+            let (address, mtu_bytes) = (address_or(&section, "127.0.0.1:4991"), section.count(&MTU_BYTES));
             let bind = section.address(&BIND);
             let fine = bind.is_some() || !section.has(&BIND);
             let profile = section.choice(&PROFILE);
@@ -241,6 +243,7 @@ fn sink(
                 Some(sinks::Kind::Vita49(sinks::vita49::Settings { address, bind, mtu_bytes, profile }))
             })
         }
+        Some(SinkKind::Asterix) => video::asterix(&section, radar, platforms).map(sinks::Kind::Asterix),
         Some(SinkKind::Shm) => shm(&section, defaults).map(sinks::Kind::Shm),
         Some(SinkKind::Zmq) => zmq(&section, defaults).map(sinks::Kind::Zmq),
         Some(SinkKind::Null) => Some(sinks::Kind::Null),

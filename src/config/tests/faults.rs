@@ -65,7 +65,7 @@ sink.0.address: not allowed here (kind = "zmq")
 "#);
     insta::assert_snapshot!(faults_of(&[("sink", "[{ kind = 'zmq', bind = '127.0.0.1:65533' }, { kind = 'zmqq' }, { kind = 'shm', service = 'a/b', subscribers = 0, subscriber = 2, bind = 'x' }]")]), @r#"
 sink.0.bind: "127.0.0.1:65533" is the first of 4 ports, one per channel; allowed: a first port of at most 65532
-sink.1.kind: "zmqq" is not allowed; allowed: "hdf5", "plain", "crsd", "vita49", "shm", "zmq", "nav", "null"
+sink.1.kind: "zmqq" is not allowed; allowed: "hdf5", "plain", "crsd", "vita49", "asterix", "shm", "zmq", "nav", "targets", "null"
 sink.2.service: "a/b" is not allowed; allowed: a name of 1 to 64 letters, digits, '_', '-', '.', not starting with '.'
 sink.2.subscribers: 0 is out of range; allowed: a whole number from 1 to 64
 sink.2.subscriber: unknown key; did you mean subscribers?

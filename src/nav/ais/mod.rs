@@ -33,6 +33,7 @@
 //! assert!(faults.to_string().contains("line 2: COG_degrees = 'east' is not a finite number"));
 //! ```
 
+pub mod encode;
 pub mod sentences;
 mod table;
 #[cfg(test)]

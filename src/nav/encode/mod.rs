@@ -48,6 +48,7 @@ pub mod csv;
 mod kml;
 mod nmea;
 mod novatel;
+pub mod targets;
 
 use std::path::Path;
 

@@ -7,6 +7,8 @@ use hifitime::{Epoch, Unit};
 use super::super::decode::nmea::checksum;
 use super::super::solution::Solution;
 use super::{Sentence, lon_deg, tidy, turn_deg};
+use crate::frames::Geodetic;
+use crate::time::TimeTag;
 use crate::units::KNOT_MPS;
 
 /// Steps of a position in a degree: 60 minutes of 1e8.
@@ -16,9 +18,14 @@ const UNIT_DEG: f64 = 1e-4;
 
 /// Appends a sentence with checksum and line end.
 pub(super) fn write(sentence: Sentence, solution: &Solution, out: &mut Vec<u8>) {
+    sealed(out, |out| fields(sentence, solution, out));
+}
+
+/// Appends what is written, with checksum and line end; nothing where nothing is.
+pub(super) fn sealed(out: &mut Vec<u8>, write: impl FnOnce(&mut Vec<u8>) -> std::io::Result<()>) {
     let start = out.len();
     // Writing to memory does not fail.
-    let _ = fields(sentence, solution, out);
+    let _ = write(out);
     if out.len() > start {
         let sum = checksum(&out[start + 1..]);
         let _ = write!(out, "*{sum:02X}\r\n");
@@ -26,13 +33,13 @@ pub(super) fn write(sentence: Sentence, solution: &Solution, out: &mut Vec<u8>) 
 }
 
 fn fields(sentence: Sentence, solution: &Solution, out: &mut Vec<u8>) -> std::io::Result<()> {
-    let stamp = Stamp::of(solution);
+    let stamp = Stamp::of(solution.time);
     let angles = solution.yaw_pitch_roll_rad.map(tidy);
     let heading = angles.map(|[yaw, ..]| turn_deg(yaw, UNIT_DEG));
     match sentence {
         Sentence::Gga => {
             write!(out, "$GPGGA,{},", stamp.time)?;
-            position(solution, out)?;
+            position(solution.place, out)?;
             // The altitude takes up the rounding of the separation.
             let separation_m = (solution.undulation_m * 1e4).round() / 1e4;
             let altitude_m = solution.place.h_m - separation_m;
@@ -40,7 +47,7 @@ fn fields(sentence: Sentence, solution: &Solution, out: &mut Vec<u8>) -> std::io
         }
         Sentence::Rmc => {
             write!(out, "$GPRMC,{},A,", stamp.time)?;
-            position(solution, out)?;
+            position(solution.place, out)?;
             write!(out, ",")?;
             let (speed_knots, course_deg) = ground(solution);
             figure(out, speed_knots)?;
@@ -97,7 +104,7 @@ fn fields(sentence: Sentence, solution: &Solution, out: &mut Vec<u8>) -> std::io
 }
 
 /// A figure of four decimals, or nothing.
-fn figure(out: &mut Vec<u8>, value: Option<f64>) -> std::io::Result<()> {
+pub(super) fn figure(out: &mut Vec<u8>, value: Option<f64>) -> std::io::Result<()> {
     value.map_or(Ok(()), |value| write!(out, "{value:.4}"))
 }
 
@@ -107,9 +114,10 @@ fn ground(solution: &Solution) -> (Option<f64>, Option<f64>) {
     (Some(east.hypot(north) / KNOT_MPS), Some(turn_deg(east.atan2(north), UNIT_DEG)))
 }
 
-fn position(solution: &Solution, out: &mut Vec<u8>) -> std::io::Result<()> {
-    let lat = (solution.place.lat_rad.to_degrees().clamp(-90.0, 90.0) * STEPS_PER_DEG).round();
-    let lon = (lon_deg(solution.place.lon_rad) * STEPS_PER_DEG).round();
+/// Latitude and longitude with their halves.
+pub(super) fn position(place: Geodetic, out: &mut Vec<u8>) -> std::io::Result<()> {
+    let lat = (place.lat_rad.to_degrees().clamp(-90.0, 90.0) * STEPS_PER_DEG).round();
+    let lon = (lon_deg(place.lon_rad) * STEPS_PER_DEG).round();
     let split = |steps: f64| {
         let (all, degree) = (steps.abs() as u64, STEPS_PER_DEG as u64);
         let minutes = all % degree;
@@ -122,17 +130,17 @@ fn position(solution: &Solution, out: &mut Vec<u8>) -> std::io::Result<()> {
 }
 
 /// Time of day as written, and the date.
-struct Stamp {
-    time: String,
+pub(super) struct Stamp {
+    pub(super) time: String,
     day: u8,
     month: u8,
     year: i32,
 }
 
 impl Stamp {
-    fn of(solution: &Solution) -> Self {
-        let mut seconds = solution.time.seconds();
-        let mut ns = (solution.time.fraction_s() * 1e9).round() as u64;
+    pub(super) fn of(at: TimeTag) -> Self {
+        let mut seconds = at.seconds();
+        let mut ns = (at.fraction_s() * 1e9).round() as u64;
         if ns >= 1_000_000_000 {
             (seconds, ns) = (seconds + 1, 0);
         }

@@ -31,6 +31,7 @@
 mod error;
 mod polar;
 mod scans;
+mod sight;
 
 use std::path::{Path, PathBuf};
 
@@ -40,13 +41,11 @@ use rayon::prelude::*;
 pub use error::PpiError;
 pub use polar::{Extent, Peak, Polar, SPOKES};
 pub use scans::{Motion, Scan, scans};
+pub(crate) use sight::Sight;
 
 use super::range_compress::{Compressor, PulseShape, RangeFilter};
 use super::taper::Taper;
 use crate::frames::Rotation;
-use crate::inputs::one_line;
-use crate::recording::header::Header;
-use crate::recording::instrument::{AntennaRow, Instrument, Look};
 use crate::recording::{Recording, RecordingError};
 use crate::units::SPEED_OF_LIGHT_MPS;
 
@@ -97,17 +96,7 @@ impl Ppi {
     pub fn open(path: &Path, settings: &Settings) -> Result<Self, PpiError> {
         let recording = Recording::open_channels(path, None, None, |_| Ok::<_, RecordingError>(Vec::new()))?;
         let header = &recording.header;
-        if header.is_continuous() {
-            return Err(PpiError::Continuous);
-        }
-        if header.is_dechirped() {
-            return Err(PpiError::Dechirped);
-        }
-        let instrument = header.instrument.as_ref().ok_or(PpiError::NoInstrument)?;
-        let (channel, sight) = chosen(header, instrument, settings.channel.as_deref())?;
-        if header.replica.is_empty() {
-            return Err(PpiError::NoReplica);
-        }
+        let (channel, sight) = Sight::of(header, settings.channel.as_deref())?;
         let shape = PulseShape {
             replica: &header.replica,
             sample_rate_hz: header.sample_rate_hz,
@@ -301,73 +290,6 @@ impl Ppi {
         let in_window = (self.ranges_m[0]..=self.ranges_m[1]).contains(&place[0]);
         (away <= 0.5 * self.extent.beam_rad && in_window).then_some(place)
     }
-}
-
-/// What is known of the antennas of a channel.
-struct Sight {
-    platform: String,
-    motion: Motion,
-    is_level: bool,
-    /// Two-way half-power beamwidth, rad.
-    beam_rad: Option<f64>,
-}
-
-/// The channel asked for, or the first that there is a plan of; else what is wrong with the first.
-fn chosen(header: &Header, instrument: &Instrument, asked: Option<&str>) -> Result<(usize, Sight), PpiError> {
-    let all = &header.channels;
-    let echoes: Vec<usize> = (0..all.len()).filter(|place| all[*place].is_of_echoes()).collect();
-    if let Some(name) = asked {
-        let place = echoes.iter().find(|place| all[**place].name == name).ok_or_else(|| {
-            let allowed: Vec<_> = echoes.iter().map(|place| one_line(&all[*place].name)).collect();
-            PpiError::Channel { name: name.to_owned(), allowed: allowed.join(", ") }
-        })?;
-        return Ok((*place, sight(header, instrument, *place)?));
-    }
-    let mut refused = None;
-    for place in echoes {
-        match sight(header, instrument, place) {
-            Ok(sight) => return Ok((place, sight)),
-            Err(error) => refused = refused.or(Some(error)),
-        }
-    }
-    Err(refused.unwrap_or(PpiError::NoEchoes))
-}
-
-fn sight(header: &Header, instrument: &Instrument, channel: usize) -> Result<Sight, PpiError> {
-    let row = &header.channels[channel];
-    let antenna = |name: &str| instrument.antenna(name).ok_or(PpiError::NoInstrument);
-    let (transmitter, receiver) = (antenna(&row.transmitter)?, antenna(&row.receiver)?);
-    if transmitter.platform != receiver.platform {
-        return Err(PpiError::Bistatic {
-            channel: row.name.clone(),
-            transmits: transmitter.platform.clone(),
-            receives: receiver.platform.clone(),
-        });
-    }
-    let Look::Scan { level, rate_deg_per_s, sector_deg: [from, to], .. } = receiver.look else {
-        return Err(PpiError::StandsStill { channel: row.name.clone(), receiver: row.receiver.clone() });
-    };
-    let motion = if from == to {
-        Motion::Rotation { rate_rad_per_s: rate_deg_per_s.to_radians() }
-    } else {
-        Motion::Sector { width_rad: (to - from).abs().to_radians() }
-    };
-    let wavelength_m = SPEED_OF_LIGHT_MPS / header.carrier_hz;
-    let scanning = [transmitter, receiver].into_iter().filter(|end| matches!(end.look, Look::Scan { .. }));
-    let inverse: f64 = scanning.filter_map(|end| beam_rad(end, wavelength_m)).map(|beam| beam.powi(-2)).sum();
-    Ok(Sight {
-        platform: receiver.platform.clone(),
-        motion,
-        is_level: level,
-        beam_rad: (inverse > 0.0).then(|| inverse.sqrt().recip()),
-    })
-}
-
-/// Half-power beamwidth of an aperture in azimuth, rad; none where it is not known.
-fn beam_rad(antenna: &AntennaRow, wavelength_m: f64) -> Option<f64> {
-    let [width_m, _] = antenna.aperture_m?;
-    let factor = if antenna.pattern == "ellipse" { 1.029 } else { 0.886 };
-    Some((factor * wavelength_m / width_m).min(std::f64::consts::TAU)).filter(|beam| *beam > 0.0)
 }
 
 /// Heading that a platform reports at a pulse, clockwise from North, rad.

@@ -16,12 +16,12 @@
 //! ```
 
 use super::datagram::{Datagram, Difi, Type};
-use super::link::{self, Link};
 use super::packets::{CHANNEL_STREAM, ci16};
 use super::stamp::{Span, Stamp};
 use super::{Counts, DESCRIBE_S, MTU_BYTES, Settings, receivers};
 use crate::pulse::{Pulse, Samples};
 use crate::recording::header::{AdcRow, Header};
+use crate::sinks::link::{self, Link};
 use crate::sinks::sink::{Closed, Sink, SinkError, SinkReport};
 use crate::time::TimeTag;
 
@@ -99,7 +99,7 @@ impl DifiSink {
         let offsets = (0..samples).step_by(piece);
         let channels = header.layout.channels;
         Ok(Self {
-            link: Link::open(to, settings.bind.as_deref())?,
+            link: Link::open(to, settings.bind.as_deref(), None)?,
             header: header.clone(),
             adc,
             datagram: Datagram::with_room(room),

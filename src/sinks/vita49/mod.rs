@@ -58,25 +58,21 @@
 
 mod datagram;
 pub mod difi;
-mod link;
 mod report;
 mod packets;
 mod radar;
 mod stamp;
 
-pub(crate) use link::SEND_BUFFER;
-
 use crate::pulse::{Pulse, SampleFormat, Samples, flags};
 use crate::time::TimeTag;
 
+use super::link::{self, Link, resolve};
 use super::sink::{Closed, Sink, SinkError, SinkReport};
 use crate::recording::header::Header;
 use datagram::{Datagram, PROLOGUE, TRAILER, Type};
-use link::Link;
 use packets::{CHANNEL_STREAM, Globe, Part};
 use stamp::{Span, Stamp};
 
-pub(super) use link::resolve;
 pub use report::WireReport;
 
 /// Emission time between two descriptions, s.
@@ -236,7 +232,7 @@ impl Vita49Sink {
             .map(|start| Span::of_samples(first(start), header.sample_rate_hz))
             .collect();
         Ok(Self {
-            link: Link::open(to, settings.bind.as_deref())?,
+            link: Link::open(to, settings.bind.as_deref(), None)?,
             header: header.clone(),
             globe: Globe::new(header.origin),
             datagram: Datagram::with_room(room),

@@ -47,8 +47,8 @@ use std::time::Duration;
 use num_complex::Complex32;
 
 use super::description;
+use super::link::resolve;
 use super::sink::{Closed, Sink, SinkError, SinkReport, SubscriberCounts};
-use super::vita49::resolve;
 use crate::pulse::{Pulse, Samples};
 use crate::recording::header::Header;
 use crate::time::TimeTag;

@@ -1,13 +1,13 @@
-//! The socket, and what became of the datagrams given to it.
+//! The socket of a sink that sends datagrams, and what became of them.
 
-use super::report::WireReport;
 use std::io::{self, ErrorKind};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use std::time::Duration;
 
 use socket2::SockRef;
 
-use crate::sinks::sink::SinkError;
+use super::sink::SinkError;
+use super::vita49::WireReport;
 
 /// Send buffer that is asked for, bytes: the system may give less.
 pub(crate) const SEND_BUFFER: usize = 1 << 20;
@@ -17,6 +17,30 @@ const SEND_TIMEOUT: Duration = Duration::from_millis(20);
 /// What IP and UDP add to a datagram at least, bytes.
 const IPV4_UDP: usize = 28;
 const IPV6_UDP: usize = 48;
+
+/// How datagrams leave for a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Multicast {
+    /// Address of the interface by which they leave.
+    pub(super) interface: Ipv4Addr,
+    /// Routers that they may pass, plus 1.
+    pub(super) ttl: u32,
+}
+
+impl Multicast {
+    /// A socket whose datagrams leave by the interface, and bear its address.
+    fn socket(self) -> Result<UdpSocket, SinkError> {
+        let Self { interface, ttl } = self;
+        let make = || {
+            let socket = UdpSocket::bind((interface, 0))?;
+            // Before it is connected: that chooses the way.
+            SockRef::from(&socket).set_multicast_if_v4(&interface)?;
+            SockRef::from(&socket).set_multicast_ttl_v4(ttl)?;
+            Ok(socket)
+        };
+        make().map_err(|source| SinkError::Interface { interface, source })
+    }
+}
 
 /// A connected socket.
 #[derive(Debug)]
@@ -28,7 +52,7 @@ pub(super) struct Link {
 }
 
 /// The first address that a name has.
-pub(in crate::sinks) fn resolve(address: &str) -> Result<SocketAddr, SinkError> {
+pub(super) fn resolve(address: &str) -> Result<SocketAddr, SinkError> {
     let fault = |source| SinkError::Address { address: address.to_owned(), action: "looking it up", source };
     let mut found = address.to_socket_addrs().map_err(fault)?;
     found.next().ok_or_else(|| fault(ErrorKind::NotFound.into()))
@@ -42,16 +66,25 @@ pub(super) fn payload_bytes(mtu_bytes: usize, to: &SocketAddr) -> usize {
 
 impl Link {
     /// Binds and connects; sends nothing.
-    pub(super) fn open(to: SocketAddr, bind: Option<&str>) -> Result<Self, SinkError> {
-        let from = match bind {
-            Some(bind) => resolve(bind)?,
-            None if to.is_ipv4() => (IpAddr::from(Ipv4Addr::UNSPECIFIED), 0).into(),
-            None => (IpAddr::from(Ipv6Addr::UNSPECIFIED), 0).into(),
-        };
+    pub(super) fn open(
+        to: SocketAddr,
+        bind: Option<&str>,
+        multicast: Option<Multicast>,
+    ) -> Result<Self, SinkError> {
         let fault = |action, address: SocketAddr| {
             move |source| SinkError::Address { address: address.to_string(), action, source }
         };
-        let socket = UdpSocket::bind(from).map_err(fault("binding", from))?;
+        let socket = match (multicast, bind) {
+            (Some(multicast), _) => multicast.socket()?,
+            (None, bind) => {
+                let from = match bind {
+                    Some(bind) => resolve(bind)?,
+                    None if to.is_ipv4() => (IpAddr::from(Ipv4Addr::UNSPECIFIED), 0).into(),
+                    None => (IpAddr::from(Ipv6Addr::UNSPECIFIED), 0).into(),
+                };
+                UdpSocket::bind(from).map_err(fault("binding", from))?
+            }
+        };
         socket.connect(to).map_err(fault("connecting", to))?;
         socket.set_write_timeout(Some(SEND_TIMEOUT)).map_err(fault("setting a time limit", to))?;
         let options = SockRef::from(&socket);
@@ -59,7 +92,7 @@ impl Link {
         let _ = options.set_send_buffer_size(SEND_BUFFER);
         let report = WireReport {
             address: to.to_string(),
-            local: socket.local_addr().map_err(fault("binding", from))?.to_string(),
+            local: socket.local_addr().map_err(fault("binding", to))?.to_string(),
             send_buffer_bytes: options.send_buffer_size().unwrap_or(0),
             ..WireReport::default()
         };
