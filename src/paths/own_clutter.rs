@@ -27,17 +27,18 @@ impl PathGenerator {
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
-        self.some_clutter_at(index, [true; 2], workspace, paths)
+        self.some_clutter_at(index, (true, 1), workspace, paths)
     }
 
-    /// The same of rain and the far sea as they are asked for.
+    /// The same of rain if it is asked for, and of one of so many cells of the far sea, with the power of as
+    /// many; of none of them for 0.
     ///
     /// # Errors
     /// Those of [`Self::own_clutter_at`].
     pub fn some_clutter_at(
         &self,
         index: u64,
-        [rain, far]: [bool; 2],
+        (rain, far_every): (bool, usize),
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
@@ -45,8 +46,8 @@ impl PathGenerator {
         if rain {
             self.rain_at(index, workspace, paths)?;
         }
-        if far {
-            self.far_sea_at(index, workspace, paths)?;
+        if far_every > 0 {
+            self.far_sea_at((index, far_every), workspace, paths)?;
         }
         Ok(())
     }

@@ -187,7 +187,7 @@ impl PathGenerator {
         for n in 0..COUNTED {
             let index = (u128::from(last) * u128::from(n) / u128::from(COUNTED - 1)) as u64;
             paths.clear();
-            self.far_sea_at(index, &mut workspace, &mut paths)?;
+            self.far_sea_at((index, 1), &mut workspace, &mut paths)?;
             sum += paths.len();
             let Workspace { other, places, .. } = &mut workspace;
             let mut in_cell = 0.0;
@@ -252,10 +252,11 @@ impl PathGenerator {
         })
     }
 
-    /// Appends the far sea that an emission illuminates and its window receives.
+    /// Appends the far sea that an emission illuminates and its window receives: one of so many cells, with
+    /// the power of as many.
     pub(super) fn append_far_sea(
         &self,
-        index: u64,
+        (index, every): (u64, usize),
         reception: &Reception,
         (standing, places, amplitude): (&mut Emission, &mut Vec<Point<Enu>>, &mut [Complex64]),
         paths: &mut ScattererPaths,
@@ -268,12 +269,20 @@ impl PathGenerator {
             let coarser = self.begin_far_slot(plan, (index, slot), standing, places)?;
             let search = Search { plan, of: self, reception, places, coarser, slot, patch, about: [0.0; 2] };
             let (envelope, middle_s) = (FarPlan::envelope(slot, elapsed_s), FarPlan::middle_s(slot));
+            let (mut number, first) = (0, paths.len());
             search.visit(Square::ALL, &mut |found| {
+                number += 1;
+                if number % every != 0 {
+                    return true;
+                }
                 let cell = Scatterer::new(plan, found, earth, middle_s);
                 let at = (elapsed_s - middle_s, envelope);
                 self.append_cell(reception, (&cell, places, at), amplitude, paths);
                 true
             });
+            if every > 1 {
+                paths.turn(first, Complex64::from((every as f64).sqrt()));
+            }
         }
         Ok(())
     }
@@ -313,10 +322,10 @@ impl PathGenerator {
         paths.finish(offset_s, amplitude);
     }
 
-    /// Appends the far sea of a pulse.
+    /// Appends the far sea of a pulse: one of so many cells, with the power of as many.
     pub(super) fn far_sea_at(
         &self,
-        index: u64,
+        (index, every): (u64, usize),
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
@@ -327,6 +336,6 @@ impl PathGenerator {
         self.evaluate(index, own)?;
         self.windows_at(index, windows)?;
         let reception = self.reception_of_all(index, own, windows);
-        self.append_far_sea(index, &reception, (other, places, amplitude), paths)
+        self.append_far_sea((index, every), &reception, (other, places, amplitude), paths)
     }
 }

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use num_complex::Complex64;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::FarPlan;
@@ -19,7 +18,7 @@ use crate::scattering::tilt::{NO_ECHO, ScatterMatrix};
 use crate::scattering::two_scale::TILTS;
 use crate::scene::sea::Phases;
 use crate::sea::surface::modulation::look;
-use crate::sea::wave_sum::Waters;
+use crate::sea::wave_sum::{WAVES, Waters};
 
 /// Slope of what would reflect a ray, over that of the sea, beyond which nothing specular is looked for.
 const STEEPEST: f64 = 7.0;
@@ -57,9 +56,11 @@ impl Scatterer {
         let [mechanism, line] = [(); 2].map(|()| rng.random::<f64>());
         let off = rng.sample(StandardNormal);
         let waters = if plan.texture {
-            plan.waves.at([x, y], middle_s, || 0.0)
+            plan.waves.at([x, y], middle_s, None)
         } else {
-            plan.waves.at([x, y], middle_s, || turns(&mut rng))
+            let mut phases = [0.0; WAVES];
+            phases.fill_with(|| rng.random());
+            plan.waves.at([x, y], middle_s, Some(&phases))
         };
         let place = Point::new(x, y, waters.height_m - earth.drop_m(x, y));
         let (fall, up) = (earth.drop_slope(x, y), earth.up(place).raw());
@@ -190,8 +191,4 @@ impl Scatterer {
         let line = if first { one } else { other };
         line.centre_radps + line.deviation_radps * self.off
     }
-}
-
-fn turns(rng: &mut ChaCha8Rng) -> f64 {
-    rng.random()
 }

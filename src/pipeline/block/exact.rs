@@ -67,7 +67,7 @@ impl BlockEcho {
             let mut spread = 0;
             for pulse in pulses {
                 let index = first + pulse as u64;
-                generator.some_clutter_at(index, [false, true], memory, &mut work.nodes[0])?;
+                generator.some_clutter_at(index, (false, 1), memory, &mut work.nodes[0])?;
                 spread += self.spread_exact(pulse, memory, work)?;
             }
             return Ok(spread);

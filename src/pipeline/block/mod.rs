@@ -348,7 +348,12 @@ impl BlockEcho {
         let far = generator.has_far_sea() && !work.received.is_alone();
         for pulse in if generator.rains() || far { 0..pulses } else { 0..0 } {
             let index = first + pulse as u64;
-            generator.some_clutter_at(index, [generator.rains(), far], memory, &mut work.nodes[0])?;
+            generator.some_clutter_at(
+                index,
+                (generator.rains(), usize::from(far)),
+                memory,
+                &mut work.nodes[0],
+            )?;
             exact += self.spread_own(pulse, memory, work)?;
         }
         work.spread += exact / pulses;
