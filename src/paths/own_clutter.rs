@@ -5,6 +5,9 @@ use crate::paths::drops;
 use crate::paths::list::ScattererPaths;
 use crate::radar::fault::RadarError;
 
+/// Cells of a sample, nearly.
+const SAMPLED_CELLS: f64 = 400.0;
+
 impl PathGenerator {
     /// Points of it at a pulse, mean.
     pub fn own_clutter_points(&self) -> f64 {
@@ -17,24 +20,17 @@ impl PathGenerator {
         (if self.rains() { drops::MOST } else { 0 }) + self.far_room()
     }
 
-    /// Fills `paths` with it.
+    /// Of how many cells of the far sea one has a say where a sample is enough: in means and predictions.
+    pub fn far_sample(&self) -> usize {
+        // Odd, so that it takes both halves of squares.
+        self.far_cells().map_or(1, |(cells, _)| (cells / SAMPLED_CELLS) as usize | 1)
+    }
+
+    /// Fills `paths` with rain if it is asked for, and with one of so many cells of the far sea, which has the
+    /// power of as many; with none of them for 0.
     ///
     /// # Errors
     /// A pulse that the tracks do not cover.
-    pub fn own_clutter_at(
-        &self,
-        index: u64,
-        workspace: &mut Workspace,
-        paths: &mut ScattererPaths,
-    ) -> Result<(), RadarError> {
-        self.some_clutter_at(index, (true, 1), workspace, paths)
-    }
-
-    /// The same of rain if it is asked for, and of one of so many cells of the far sea, with the power of as
-    /// many; of none of them for 0.
-    ///
-    /// # Errors
-    /// Those of [`Self::own_clutter_at`].
     pub fn some_clutter_at(
         &self,
         index: u64,

@@ -74,6 +74,7 @@ pub struct WaveSum {
     strength: Strength,
     /// Covariance of slopes, xx, xy, yy.
     slopes: [f64; 3],
+    height_variance_m2: f64,
 }
 
 impl WaveSum {
@@ -136,10 +137,12 @@ impl WaveSum {
             }
         }
         let rows = Rows::new(&waves);
-        let mut built = Self { waves, rows, strength: Strength::default(), slopes: [0.0; 3] };
+        let mut built =
+            Self { waves, rows, strength: Strength::default(), slopes: [0.0; 3], height_variance_m2: 0.0 };
         for wave in &built.waves {
             let power_m2 = 0.5 * wave.amplitude_m * wave.amplitude_m;
             let [x, y] = wave.k;
+            built.height_variance_m2 += power_m2;
             built.slopes.iter_mut().zip([x * x, x * y, y * y]).for_each(|(sum, k2)| *sum += power_m2 * k2);
             for (a, row) in wave.modulation.iter().zip(&mut built.strength.covariance) {
                 for (b, entry) in wave.modulation.iter().zip(row) {
@@ -153,6 +156,11 @@ impl WaveSum {
     /// Strength of the modulation.
     pub fn strength(&self) -> &Strength {
         &self.strength
+    }
+
+    /// Rms height, m.
+    pub fn height_rms_m(&self) -> f64 {
+        self.height_variance_m2.sqrt()
     }
 
     /// Rms slope along a horizontal direction.

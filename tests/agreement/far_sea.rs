@@ -13,6 +13,7 @@ use nereus::scattering::kind::clean::Clean;
 use nereus::scattering::permittivity::{Model, SeaWater};
 use nereus::scattering::sigma0::SeaView;
 use nereus::scattering::tilt::Path;
+use nereus::scattering::two_scale::Settings;
 use nereus::sea::realise::realise;
 use nereus::sea::spectrum::WaveVector;
 use num_complex::Complex64;
@@ -90,7 +91,7 @@ fn expected_w(run: &Run, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
         facet_m: Some(sea.patch.facet_m),
         relaxation: None,
         breaking: false,
-        settings: Default::default(),
+        settings: Settings { tilt_average: true, ..Settings::default() },
     };
     let sigma0 = view.sigma0();
     // Covariance of slopes, by a plain sum over the square of the map.

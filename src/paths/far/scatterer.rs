@@ -152,7 +152,7 @@ impl Scatterer {
         [[vv, vh], [hv, hh]]
     }
 
-    /// Root of the share of such cells that antennas in these directions see, and the field of the ray that
+    /// Root of the share of such cells at this height that antennas in these directions see, and the field of the ray that
     /// the sea reflects, where that interferes.
     fn seen_share(&self, plan: &FarPlan, ends: [DVec3; 2]) -> f64 {
         if !plan.shadowed {
@@ -173,7 +173,8 @@ impl Scatterer {
             };
             of(0) * of(1)
         });
-        smith::seen(lambdas, common).sqrt() * fields
+        let height = self.waters.height_m / plan.waves.height_rms_m().max(f64::MIN_POSITIVE);
+        smith::seen(lambdas, common, height).sqrt() * fields
     }
 
     /// Frequency of the cell within the lines of a mechanism, rad/s.

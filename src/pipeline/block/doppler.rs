@@ -7,9 +7,6 @@ use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::fault::PulseError;
 
-/// One of so many cells of the far sea has a say in the mean.
-const SAMPLED_CELLS: usize = 31;
-
 impl BlockEcho {
     /// Mean Doppler of every pair over so many emissions from the first on, weighted by received power: of
     /// the sea's sample, and of targets and ships at [`of_points`] (of all of them where no window receives
@@ -29,7 +26,7 @@ impl BlockEcho {
         }
         // Rain: all three as the middle one.
         let rain = &mut points[NODES - 1];
-        generator.some_clutter_at(of_rain, (true, SAMPLED_CELLS), memory, rain)?;
+        generator.some_clutter_at(of_rain, (true, generator.far_sample()), memory, rain)?;
         let (rain, points) = (&points[NODES - 1], &points[..NODES - 1]);
         let facets = generator.facets() as f64;
         mean_hz.clear();
