@@ -3,7 +3,7 @@
 use super::fit_trials::{Predicted, predicted};
 use super::plan::{PlanReport, echo_text, not_kept};
 use super::resources::Resources;
-use crate::adequacy::description::{Described, ECHO, LAND, Models, RAIN, described, models};
+use crate::adequacy::description::{Described, ECHO, FAR_SEA, LAND, Models, RAIN, described, models};
 use crate::adequacy::emitter_budget::{self, EmitterBudget, emitter_budgets};
 use crate::adequacy::link_budget::{LinkBudget, link_budget};
 use crate::adequacy::polarisation::polarisation;
@@ -104,6 +104,11 @@ impl Assessment {
             if in_cell < drops::DROPS {
                 row.how += &format!(": {} would make more than {} at some pulse", drops::DROPS, drops::MOST);
             }
+        }
+        if let Some((cells, in_cell)) = stream.factory().far_sea()
+            && let Some(row) = self.models.with.iter_mut().find(|row| row.what == FAR_SEA)
+        {
+            row.how += &format!("; {cells:.0} cells at a pulse, {in_cell} in a resolution cell");
         }
         self.warnings.extend(plausible::geometry(prepared)?);
         let resources = stream.resources(&run.scene.radar).map_err(BuildErrors::from)?;

@@ -24,6 +24,7 @@ mod names;
 mod navigation;
 mod emitters;
 mod errors;
+mod far_sea;
 mod faults;
 mod front_end;
 mod sea;

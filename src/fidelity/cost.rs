@@ -180,7 +180,7 @@ impl Size {
             // Those with an aspect are evaluated for it once more.
             panels: generator.ship_paths() as f64,
             points: generator.target_count() as f64 * if generator.follows_aspects() { 2.0 } else { 1.0 }
-                + DROP * generator.drops(),
+                + DROP * generator.own_clutter_points(),
             pairs,
             travelling: if scene.sea.as_ref().is_none_or(frozen) { 0.0 } else { pairs },
             // Two transforms instead of four, for either.

@@ -66,12 +66,15 @@ pub(crate) fn received_by(emitter: &Emitter, radar: &Radar) -> Radar {
 }
 
 /// The scene of an emitter as the radar of another receives it: its emissions are the pulses, from so long
-/// before the radar's first up to so long after its last.
+/// before the radar's first up to so long after its last. Without a far sea.
 pub(crate) fn scene_of(scene: &Scene, emitter: &Emitter, [before_s, after_s]: [f64; 2]) -> Scene {
     let emissions = emitter.emissions.clone().not_before(-before_s);
     let pulses = emitted_until(scene, &emissions, after_s);
     let radar = Radar { emissions, ..received_by(emitter, &scene.radar) };
     let mut own = Scene { radar, pulses, ..scene.clone() };
+    if let Some(sea) = &mut own.sea {
+        sea.far = None;
+    }
     if !emitter.echo {
         own.sea = None;
         own.ships.clear();

@@ -47,6 +47,7 @@ impl PathGenerator {
             self.append_sea(index, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
         }
         self.append_rain(index, &reception, (other, places, amplitude), paths)?;
+        self.append_far_sea((index, 1), &reception, (other, places, amplitude), paths)?;
         self.append_others(index, in_window.start.max(index + 1)..in_window.end, windows, workspace, paths)?;
         Ok(outside)
     }

@@ -303,12 +303,6 @@ impl PathGenerator {
         self.rain.as_ref().map_or(0.0, |rain| rain.drops)
     }
 
-    /// Points of a pulse for which there is room beforehand: as many as there are unless a beam turns into
-    /// the rain.
-    pub fn rain_room(&self) -> usize {
-        if self.rains() { MOST } else { 0 }
-    }
-
     /// Points that stand for rain in a resolution cell: fewer than are wanted where there would be too many.
     pub fn drops_per_cell(&self) -> f64 {
         self.rain.as_ref().map_or(0.0, |rain| rain.drops_per_cell)
@@ -449,17 +443,13 @@ impl PathGenerator {
         paths.finish(offset_s, amplitude);
     }
 
-    /// Fills `paths` with the rain of a pulse; without any, empties it.
-    ///
-    /// # Errors
-    /// A pulse that the tracks do not cover.
-    pub fn rain_at(
+    /// Appends the rain of a pulse.
+    pub(super) fn rain_at(
         &self,
         index: u64,
         workspace: &mut Workspace,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
-        paths.clear();
         if self.rain.is_none() {
             return Ok(());
         }

@@ -89,6 +89,7 @@ mod aspect;
 mod breaking;
 pub mod drops;
 mod facets;
+mod far;
 mod hearing;
 mod heave;
 mod hidden;
@@ -101,6 +102,7 @@ mod ships;
 mod emission;
 mod kept;
 pub mod list;
+mod own_clutter;
 mod partition;
 mod patch_run;
 mod phasors;
@@ -125,6 +127,7 @@ use crate::paths::apart::Apart;
 use crate::paths::aspect::Aspect;
 use crate::paths::drops::RainPlan;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
+use crate::paths::far::FarPlan;
 use crate::paths::hearing::Hearing;
 use crate::paths::heave::Heave;
 use crate::paths::hidden::Hills;
@@ -216,6 +219,9 @@ pub struct PathGenerator {
     /// Ships that echo by their mesh.
     ships: Ships,
     rain: Option<RainPlan>,
+    /// Whether there is a sea beyond the patch, and how it is made.
+    scene_has_far_sea: bool,
+    far: Option<FarPlan>,
     seed: u64,
     pulse_length_s: f64,
     tracks: Vec<PlatformTracks>,
@@ -314,6 +320,8 @@ impl PathGenerator {
             mirror: None,
             ships: Ships::default(),
             rain: None,
+            scene_has_far_sea: scene.sea.as_ref().is_some_and(|sea| sea.far.is_some()),
+            far: None,
             seed: scene.seed,
             pulse_length_s,
             tracks,
@@ -360,6 +368,9 @@ impl PathGenerator {
         built.guard_samples = built.find_guard_samples()?;
         built.in_air = built.find_in_air()?;
         built.let_it_rain(scene)?;
+        if built.pulses > 0 {
+            built.plan_far_sea(scene)?;
+        }
         Ok(built)
     }
 
@@ -377,6 +388,7 @@ impl PathGenerator {
         flown.hills = flown.hidden_by(flown.sea.as_deref()).map(Arc::new);
         flown.ships = flown.ships.renewed();
         flown.rain = flown.rain.as_ref().map(RainPlan::renewed);
+        flown.far = flown.far.as_ref().map(FarPlan::renewed);
         flown
     }
 

@@ -47,8 +47,8 @@ impl PathGenerator {
             self.evaluate(index, &mut emission)?;
             let span = self.delay_span_s(index, &emission)?;
             longest_s = longest_s.max(span.map_or(0.0, |(_, most)| most));
-            if self.radar.rain_clutter.is_some() {
-                // Rain fills the window.
+            if self.fills_window() {
+                // Rain and the far sea fill the window.
                 longest_s = longest_s.max(self.hull_at(index)?.close_s);
             }
         }
@@ -97,8 +97,8 @@ impl PathGenerator {
                 let next = next_s + nearest_s < window.close_s + window.guard_s;
                 if next { nearest_s } else { nearest_s.max(first_s) }
             };
-            let of_rain = self.radar.rain_clutter.map(|_| first_s.max(0.0));
-            let nearest_s = span.map(in_window).into_iter().chain(of_rain).fold(f64::INFINITY, f64::min);
+            let of_clutter = self.fills_window().then(|| first_s.max(0.0));
+            let nearest_s = span.map(in_window).into_iter().chain(of_clutter).fold(f64::INFINITY, f64::min);
             if window.close_s - window.pulse_s > FAR * nearest_s.max(0.0) {
                 return Ok(far_guard_samples(self.radar.window.samples));
             }

@@ -313,6 +313,11 @@ impl PulseFactory {
         generator.beyond_horizon(generator.emission_at(index))
     }
 
+    /// Cells of the far sea at a pulse, mean, and in a resolution cell; `None` without it.
+    pub fn far_sea(&self) -> Option<(f64, f64)> {
+        self.generator().far_cells()
+    }
+
     /// Points that stand for rain at a pulse, mean, and in a resolution cell; `None` where it returns no
     /// echo.
     pub fn rain(&self) -> Option<(f64, f64)> {

@@ -86,6 +86,16 @@ impl MainLobe {
         self.solid_angle_sr
     }
 
+    /// Width of the beam between half powers, nearly, along the narrower of its axes, rad: from the middle to
+    /// the first null of an aperture, half the cone of a measured one.
+    pub fn width_rad(&self) -> f64 {
+        match self.shape {
+            Shape::All => 2.0 * PI,
+            Shape::Rectangle([u, v]) | Shape::Ellipse([u, v]) => u.min(v),
+            Shape::Cone(_, half_rad) => half_rad,
+        }
+    }
+
     /// Whether a direction in the antenna frame, of any length, lies in it or within an angle of it.
     pub fn holds(&self, direction: DVec3, slack_rad: f64) -> bool {
         let Some(d) = direction.try_normalize() else { return true };

@@ -27,6 +27,8 @@ pub struct Sea {
     pub scattering: FacetScattering,
     /// Who stands behind a wave; `None`: nobody is ever hidden.
     pub shadow: Option<Shadowing>,
+    /// The sea beyond the patch; `None`: none.
+    pub far: Option<FarSea>,
     /// Films on the water.
     pub slicks: Vec<SlickRegion>,
     /// Land on the patch, if any.
@@ -46,6 +48,7 @@ impl Sea {
             waves: Waves::default(),
             scattering: FacetScattering::default(),
             shadow: None,
+            far: None,
             slicks: Vec::new(),
             land: None,
         }
@@ -290,6 +293,17 @@ impl Default for Shadowing {
     fn default() -> Self {
         Self { width_rad: None, rays_per_facet: 2, update_s: 0.02, two_rays: false }
     }
+}
+
+/// The sea beyond the patch, by cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FarSea {
+    /// Cells in a resolution cell.
+    pub cells: u32,
+    /// Cells of a pulse, at most.
+    pub most: u32,
+    /// Whether cells have waves in common, so that swell is seen.
+    pub texture: bool,
 }
 
 /// A film on the water, at rest.

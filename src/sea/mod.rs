@@ -8,6 +8,7 @@
 //! | [`realise`] | from the description of a sea to all of these |
 //! | [`surface`] | one realisation, at any time |
 //! | [`facet_surface`] | the same over the patch that is modelled |
+//! | [`wave_sum`] | a sea without end, summed wave by wave where it is asked for |
 //! | [`breaking`] | where and when it breaks |
 //! | [`wake`] | what ships add to it |
 //! | [`fleet`] | the ships of a scene with their wakes |
@@ -44,6 +45,7 @@ pub mod spectrum;
 pub mod summary;
 pub mod surface;
 pub mod wake;
+pub mod wave_sum;
 pub mod wind;
 
 /// Acceleration of gravity, m/s^2.

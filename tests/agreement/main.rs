@@ -14,6 +14,7 @@ mod continuous;
 mod emitters;
 mod dechirp;
 mod ends;
+mod far_sea;
 mod front_end;
 mod hidden;
 mod horizon;

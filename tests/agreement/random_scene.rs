@@ -40,6 +40,8 @@ const SCAN: u64 = 0x5CA4;
 
 /// And those of targets and ships on tracks.
 const TURNS: u64 = 0x7042;
+/// And those of the sea beyond the patch.
+const FAR: u64 = 0xFA45;
 
 /// Legal winds of the sea, m/s, and sides of facets, m.
 const LEGAL_WIND_MPS: [f64; 2] = [0.01, 40.0];
@@ -230,6 +232,7 @@ pub fn random_scene(seed: u64) -> RandomScene {
     let [mut slow, mut speckle] =
         [SLOW_TIME, SPECKLE].map(|salt| Draw(ChaCha8Rng::seed_from_u64(seed ^ salt)));
     sea(&mut draw, [&mut slow, &mut speckle], extremes, &mut text);
+    far_sea(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ FAR)), (&geometry, extremes), &mut text);
     on_the_sea(&mut draw, &geometry, &mut text);
     turning(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ TURNS)), &geometry, &mut text);
     radar(&mut draw, [&mut slow, &mut kinds], (&geometry, &signal, dechirp), &mut text);
@@ -576,4 +579,18 @@ fn sea(draw: &mut Draw, [slow, speckle]: [&mut Draw; 2], extremes: Extremes, out
             line(format!("update_ms = {:?}", draw.log(2.0, LONGEST_UPDATE_MS)));
         }
     }
+}
+
+/// The sea beyond the patch, of few cells, which reach off any mean Doppler the farthest.
+fn far_sea(draw: &mut Draw, (geometry, extremes): (&Geometry, Extremes), out: &mut String) {
+    let still = extremes.wind_mps.is_some_and(|wind_mps| wind_mps < 0.3);
+    if geometry.kind.name == "orbit" || still || !draw.chance(0.1) {
+        return;
+    }
+    let (cells, most) = (draw.one(&[1, 2, 4]), draw.log(256.0, 4000.0) as u32);
+    line!(
+        out,
+        "[sea.far]\nenabled = true\ncells = {cells}\nmost_cells = {most}\ntexture = {}",
+        draw.chance(0.7)
+    );
 }

@@ -87,7 +87,7 @@ pub(super) fn continuous(
     (geometry, signal): (&Geometry, &Signal),
     text: &str,
 ) -> Option<String> {
-    let refused = ["rain_clutter", "window = {", "[radar.dechirp]"];
+    let refused = ["rain_clutter", "[sea.far]", "window = {", "[radar.dechirp]"];
     if !streams(draw, 0.06) || refused.iter().any(|keys| text.contains(keys)) {
         return None;
     }

@@ -23,6 +23,8 @@ use crate::units::{Decibels, neat};
 
 /// The row of the echo among what is modelled.
 pub const ECHO: &str = "echo";
+/// That of the sea beyond the patch.
+pub const FAR_SEA: &str = "far sea";
 /// That of the echo of rain.
 pub const RAIN: &str = "echo of rain";
 /// That of land.

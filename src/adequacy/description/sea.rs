@@ -1,11 +1,11 @@
 //! A sea in words.
 
-use super::{Described, LAND, described};
+use super::{Described, FAR_SEA, LAND, described};
 use crate::adequacy::Adequacy;
 use crate::inputs::shown;
 use crate::scene::sea::{
-    Averaging, BraggWaves, Breaking, FacetScattering, LightWinds, Modulation, PatchPlace, Permittivity,
-    Phases, Realisation, Sea, Shadowing, SlickShape, Speckle, Splitting, Waves,
+    Averaging, BraggWaves, Breaking, FacetScattering, FarSea, LightWinds, Modulation, PatchPlace,
+    Permittivity, Phases, Realisation, Sea, Shadowing, SlickShape, Speckle, Splitting, Waves,
 };
 use crate::scene::water::{
     Development, SpectrumKind, Spreading, Swell, SwellShape, Water, WindProfile, WindStrength,
@@ -46,6 +46,22 @@ pub(super) fn models(scene: &Scene, with: &mut Vec<Described>, without: &mut Vec
             slick.elasticity_npm
         );
         with.push(described("slick", text));
+    }
+    match sea.far {
+        Some(FarSea { cells, most, texture }) => {
+            let waves = if texture { "of waves in common" } else { "each of waves of its own" };
+            with.push(described(
+                FAR_SEA,
+                format!(
+                    "cells {waves} beyond the patch: {cells} in a resolution cell, at most {most} at a pulse"
+                ),
+            ));
+            without.push(described(
+                "more of the far sea",
+                "main lobes alone; none from beyond the pulse interval; no breakers, wakes, films or land; linear waves that do not continue those of the patch",
+            ));
+        }
+        None => without.push(described(FAR_SEA, "sea.far.enabled = false: the sea ends with the patch")),
     }
     match &sea.land {
         Some(land) => {

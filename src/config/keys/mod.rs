@@ -286,6 +286,7 @@ pub static TABLES: &[&Table] = &[
     &sea::TABLE,
     &scattering::TABLE,
     &shadow::TABLE,
+    &far::TABLE,
     &swell::TABLE,
     &slick::TABLE,
     &land::TABLE,

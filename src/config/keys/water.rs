@@ -27,6 +27,7 @@ tables! {
         STATE_PATH "state_path", File, Means("the waves are drawn from scene.seed"), "A saved sea of the same grid to start from.";
         SCATTERING "scattering", Section(&scattering::TABLE), Means("all defaults"), "How facets scatter.";
         SHADOW "shadow", Section(&shadow::TABLE), Means("all defaults"), "What waves hide.";
+        FAR "far", Section(&far::TABLE), Means("all defaults"), "The sea beyond the patch.";
     }
     scattering "[sea.scattering]" "How facets scatter." {
         SPLITTING "splitting", Choice(words::<Splitting>), Word("consistent"), "How waves are divided between specular points and Bragg scattering: each once, or all slopes and the whole spectrum in addition to the slopes of the map, as in the MaRS paper.";
@@ -53,6 +54,12 @@ tables! {
         RAYS_PER_FACET "rays_per_facet", count(1, 64), Count(2), "Rays per facet across the look direction.";
         UPDATE_MS "update_ms", number("ms", 0.1, 10_000.0), Means("the multiple of ten pulse intervals nearest to 20 ms, at least ten intervals"), "Time between updates; visibility is cross-faded in between.";
         TWO_RAYS "two_rays", Kind::Flag, Flag(false), "Whether the ray that the mean sea reflects onto a facet interferes with the straight one, so that the echo falls as the fourth power of the grazing angle below the critical one (docs/physics.md section 11.3). It counts below about a degree, in a standard atmosphere.";
+    }
+    far "[sea.far]" "The sea beyond the patch, to the horizon or the end of the window: cells with the statistics of facets (docs/far-sea.md)." {
+        ENABLED "enabled", Kind::Flag, Flag(false), "Whether there is any; without it the sea ends with the patch.";
+        CELLS "cells", count(1, 64), Count(4), "Cells in a resolution cell (a range cell by the narrower beam). Few make the echo spikier than speckle: its contrast exceeds 2 by 2/cells at least.";
+        MOST_CELLS "most_cells", count(256, 1_048_576), Count(16_384), "Cells of a pulse, at most; where there would be more, each stands for two, four ... times the area.";
+        TEXTURE "texture", Kind::Flag, Flag(true), "Whether cells have waves in common, so that swell is seen as stripes that travel; false: each has waves of its own.";
     }
     swell "[[swell]]" "A swell train. Exactly one direction." {
         SIGNIFICANT_HEIGHT_M "significant_height_m", number("m", 0.0, 30.0), Required, "Significant wave height.";

@@ -290,6 +290,7 @@ pub(super) fn resolve(root: Section<'_>) -> Option<Parts> {
         azimuth_m,
         root.peek_in(&keys::root::RADAR, &keys::radar::CARRIER_HZ),
         radar.as_ref().map(|radar| 1.0 / radar.sends().mean_prf_hz()),
+        radar.as_ref().is_some_and(|radar| radar.sent.is_some()),
     );
     let start = time.start.filter(|_| time.start_written);
     // A word stands for an instant that is not known.

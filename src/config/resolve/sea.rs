@@ -9,7 +9,7 @@ use crate::config::error::Problem;
 use crate::config::keys::{self, ITU_R_P527, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
 use crate::config::section::Section;
 use crate::scene::sea::{
-    BraggWaves, Breaking, FacetScattering, Modulation, PatchPlace, Permittivity, Phases, Realisation,
+    BraggWaves, Breaking, FacetScattering, FarSea, Modulation, PatchPlace, Permittivity, Phases, Realisation,
     Shadowing, Speckle, Splitting, Waves,
 };
 use crate::scene::water::{
@@ -22,6 +22,9 @@ use crate::scene::{Patch, Sea, Water};
 const BREAKING_FACET_M: f64 = 4.0;
 const BREAKING_AREA_M2: f64 = 7e6;
 
+/// Least wind over a far sea, m/s.
+const LEAST_WIND_MPS: f64 = 0.3;
+
 /// Time between updates of shadows that is aimed at where none is given, s.
 const UPDATE_S: f64 = 0.02;
 
@@ -33,6 +36,7 @@ pub(super) fn sea(
     azimuth_resolution_m: Option<f64>,
     carrier_hz: Option<f64>,
     pri_s: Option<f64>,
+    continuous: bool,
 ) -> Option<Option<Sea>> {
     let has_sea = root.has(&keys::root::SEA);
     let section = root.section(&keys::root::SEA);
@@ -56,6 +60,22 @@ pub(super) fn sea(
         .and_then(|section| scattering(section, permittivity, patch.as_ref()));
     let waves = waves(root, &section, scattering.as_ref());
     let shadow = section.section_or_empty(&keys::sea::SHADOW).and_then(|section| shadow(section, pri_s));
+    let far = section.section_or_empty(&keys::sea::FAR).and_then(far);
+    if let (Some(Some(_)), Some(still)) = (far, wind.as_ref().and_then(still)) {
+        section.fault(
+            still,
+            Problem::BeyondModel {
+                model: "sea.far",
+                found: "a flat sea".to_owned(),
+                allowed: format!("{} m/s or more, or sea.far.enabled = false", keys::figure(LEAST_WIND_MPS)),
+            },
+        );
+    }
+    if continuous && matches!(far, Some(Some(_))) {
+        let found = "a far sea beside gate = \"continuous\"".to_owned();
+        let allowed = "gate = \"windowed\", or sea.far.enabled = false".to_owned();
+        section.fault(&keys::sea::FAR, Problem::Type { found, allowed });
+    }
     section.finish();
     let water = Water {
         wind: wind?,
@@ -74,6 +94,7 @@ pub(super) fn sea(
         waves: waves?,
         scattering: scattering?,
         shadow: shadow?,
+        far: far?,
         slicks: slicks?,
         land: land?,
     }))
@@ -379,6 +400,31 @@ fn shadow(section: Section<'_>, pri_s: Option<f64>) -> Option<Option<Shadowing>>
     let rays_per_facet = usize::try_from(rays?).ok()?;
     let shadowing = Shadowing { width_rad, rays_per_facet, update_s, two_rays: two_rays? };
     sound.then_some(enabled?.then_some(shadowing))
+}
+
+/// The key of a wind that raises no waves.
+fn still(wind: &WindGiven) -> Option<&'static Key> {
+    match wind.strength {
+        WindStrength::Speed { speed_mps, .. } => (speed_mps < LEAST_WIND_MPS).then_some(&keys::sea::WIND_MPS),
+        WindStrength::FrictionVelocity { ustar_mps } => {
+            (ustar_mps == 0.0).then_some(&keys::sea::WIND_USTAR_MPS)
+        }
+    }
+}
+
+/// `Some(None)` where the sea ends with the patch.
+fn far(section: Section<'_>) -> Option<Option<FarSea>> {
+    use keys::far::{CELLS, ENABLED, MOST_CELLS, TEXTURE};
+    let enabled = section.flag(&ENABLED);
+    let [cells, most] = [&CELLS, &MOST_CELLS].map(|key| section.count(key));
+    let texture = section.flag(&TEXTURE);
+    if enabled == Some(false) {
+        section.idle(&[&CELLS, &MOST_CELLS, &TEXTURE], "enabled = false");
+    }
+    section.finish();
+    let far =
+        FarSea { cells: u32::try_from(cells?).ok()?, most: u32::try_from(most?).ok()?, texture: texture? };
+    Some(enabled?.then_some(far))
 }
 
 fn swell(section: Section<'_>) -> Option<Swell> {

@@ -46,7 +46,8 @@ impl ErrorSampler<'_> {
         {
             self.generator.breakers((index, 0), patch, tiles, &mut self.memory, breakers)?;
         }
-        self.generator.rain_at(index, &mut self.memory, rain)?;
+        let some = (true, self.generator.far_sample());
+        self.generator.some_clutter_at(index, some, &mut self.memory, rain)?;
         let hearing = self.generator.hearing(index)?;
         for paths in &mut both {
             for (channel, pair) in self.generator.channel_pairs().iter().enumerate() {

@@ -65,6 +65,7 @@
 //! ```
 
 mod march;
+pub mod smith;
 
 use self::march::{March, Sector, UNDER, smoothstep};
 use crate::cpu::{Task, Variant};

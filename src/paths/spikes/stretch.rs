@@ -40,15 +40,15 @@ const TURN_RAD: f64 = 0.03;
 /// What the axes of a receiver may turn while echoes of the patch arrive, rad.
 const STEADY_RAD: f64 = 3e-7;
 /// What a cubic may leave of the carrier's phase, rad.
-const PHASE_RAD: f64 = 1e-4;
+pub(in crate::paths) const PHASE_RAD: f64 = 1e-4;
 
 /// Room for what the pulses of a stretch have in common.
 #[derive(Clone, Default)]
 pub(in crate::paths) struct Buffers {
-    emissions: Vec<Emission>,
+    pub(in crate::paths) emissions: Vec<Emission>,
     /// After pulse 0.
-    elapsed_s: Vec<f64>,
-    slow: SlowTime,
+    pub(in crate::paths) elapsed_s: Vec<f64>,
+    pub(in crate::paths) slow: SlowTime,
     /// Of a wave at every pulse.
     envelope: Vec<f64>,
     /// Transmitter and receiver, `[pulse][pair]`.
@@ -56,7 +56,7 @@ pub(in crate::paths) struct Buffers {
     /// As many: how receivers turn.
     turns: Vec<Option<Turn>>,
     /// Of every node; none where everything is received.
-    windows: Vec<Vec<Window>>,
+    pub(in crate::paths) windows: Vec<Vec<Window>>,
 }
 
 /// How an antenna turns that receives echoes from one end of a patch otherwise than those from the other.
@@ -81,11 +81,11 @@ pub struct Stretch<'a> {
 }
 
 /// Derivatives of a polynomial through nodes, at the first and at the last: weights of the values there.
-struct Slopes([[f64; NODES]; 2]);
+pub(in crate::paths) struct Slopes([[f64; NODES]; 2]);
 
 impl Slopes {
     /// Of nodes at some pulses, `slow` being when these are.
-    fn through(nodes: &[usize], slow: &SlowTime) -> Self {
+    pub(in crate::paths) fn through(nodes: &[usize], slow: &SlowTime) -> Self {
         let at = |n: usize| slow.at(nodes[n]);
         let of = |own: usize| {
             let mut weights = [0.0; NODES];
@@ -102,7 +102,7 @@ impl Slopes {
     }
 
     /// How far the rates of a path at both ends are off, per pulse of an interval.
-    fn off_s(&self, paths: &[Path], interval_s: f64) -> f64 {
+    pub(in crate::paths) fn off_s(&self, paths: &[Path], interval_s: f64) -> f64 {
         let ends = [&paths[0], &paths[paths.len() - 1]];
         let off = self.0.iter().zip(ends).map(|(weights, end)| {
             let of = |(weight, path): (&f64, &Path)| weight * (path.delay_s - end.delay_s);
@@ -113,7 +113,7 @@ impl Slopes {
 }
 
 /// Whether directions turn by more from one path to another than matrices stay smooth over.
-fn turns(from: &Path, to: &Path) -> bool {
+pub(in crate::paths) fn turns(from: &Path, to: &Path) -> bool {
     [(from.incident, to.incident), (from.scattered, to.scattered)].into_iter().any(|(a, b)| {
         let level = (a.x * a.x + a.y * a.y).min(b.x * b.x + b.y * b.y);
         a.distance_squared(b) > (TURN_RAD * TURN_RAD).min(0.01 * level)

@@ -26,7 +26,7 @@ impl BlockEcho {
         }
         // Rain: all three as the middle one.
         let rain = &mut points[NODES - 1];
-        generator.rain_at(of_rain, memory, rain)?;
+        generator.some_clutter_at(of_rain, (true, generator.far_sample()), memory, rain)?;
         let (rain, points) = (&points[NODES - 1], &points[..NODES - 1]);
         let facets = generator.facets() as f64;
         mean_hz.clear();

@@ -1,4 +1,4 @@
-//! What a block has of breaking waves and rain, found for an emission or a stretch of them.
+//! What a block has of breaking waves, rain and the far sea, found for an emission or a stretch of them.
 
 use std::ops::Range;
 
@@ -13,6 +13,8 @@ use crate::scene::Patch;
 
 /// Emissions of which as few are made exactly.
 const FEW_PULSES: usize = 8;
+/// The same of clutter that fills the beam.
+const FEW_PULSES_OF_CLUTTER: usize = 3;
 
 impl BlockEcho {
     /// Breaking waves of some emissions: together where they are smooth, else by halves, and a few of them
@@ -48,6 +50,43 @@ impl BlockEcho {
         let mut spread = 0;
         for half in [pulses.start..middle, middle..pulses.end] {
             spread += self.breakers(generator, (first, patch), half, memory, work)?;
+        }
+        Ok(spread)
+    }
+
+    /// The far sea of some pulses that receive nothing but their own emissions, likewise.
+    pub(super) fn far_sea(
+        &self,
+        generator: &PathGenerator,
+        first: u64,
+        pulses: Range<usize>,
+        memory: &mut Workspace,
+        work: &mut BlockWork,
+    ) -> Result<usize, PulseError> {
+        if pulses.len() <= FEW_PULSES_OF_CLUTTER {
+            let mut spread = 0;
+            for pulse in pulses {
+                let index = first + pulse as u64;
+                generator.some_clutter_at(index, (false, 1), memory, &mut work.nodes[0])?;
+                spread += self.spread_exact(pulse, memory, work)?;
+            }
+            return Ok(spread);
+        }
+        let (at, count) = nodes_within(pulses.len());
+        let (nodes, factors) = (&mut work.nodes[..count], &mut work.factors);
+        let stretch = (first + pulses.start as u64, pulses.len());
+        if pulses.len() <= POINT_PULSES
+            && generator.far_sea_of_stretch(stretch, &at[..count], memory, nodes, factors)?
+        {
+            if nodes[0].is_empty() {
+                return Ok(0);
+            }
+            return Ok(self.spread_stretch(pulses.clone(), memory, work)? * pulses.len());
+        }
+        let middle = pulses.start + pulses.len() / 2;
+        let mut spread = 0;
+        for half in [pulses.start..middle, middle..pulses.end] {
+            spread += self.far_sea(generator, first, half, memory, work)?;
         }
         Ok(spread)
     }

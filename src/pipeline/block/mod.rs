@@ -225,7 +225,7 @@ impl BlockEcho {
         let (length, part) = (self.length as usize, self.part as usize);
         let pairs = generator.pairs().len();
         let breakers = generator.breakers_room(part);
-        let at_once = breakers.max(generator.rain_room());
+        let at_once = breakers.max(generator.own_clutter_room());
         BlockWork {
             made: 0..0,
             next: 0,
@@ -345,8 +345,15 @@ impl BlockEcho {
             exact += self.emissions(generator, (first, false), work.parts[n].clone(), memory, work)?;
         }
         let pulses = (end - first) as usize;
-        for pulse in if generator.rains() { 0..pulses } else { 0..0 } {
-            generator.rain_at(first + pulse as u64, memory, &mut work.nodes[0])?;
+        let far = generator.has_far_sea() && !work.received.is_alone();
+        for pulse in if generator.rains() || far { 0..pulses } else { 0..0 } {
+            let index = first + pulse as u64;
+            generator.some_clutter_at(
+                index,
+                (generator.rains(), usize::from(far)),
+                memory,
+                &mut work.nodes[0],
+            )?;
             exact += self.spread_own(pulse, memory, work)?;
         }
         work.spread += exact / pulses;
@@ -515,12 +522,16 @@ impl BlockEcho {
         if leads {
             work.spread += spread;
         }
-        match &patch {
+        let mut exact = match &patch {
             Some(patch) if generator.breakers_alive() > 0.0 => {
-                self.breakers(generator, (from, patch), 0..count, memory, work)
+                self.breakers(generator, (from, patch), 0..count, memory, work)?
             }
-            _ => Ok(0),
+            _ => 0,
+        };
+        if generator.has_far_sea() && alone && work.joint.is_none() {
+            exact += self.far_sea(generator, from, 0..count, memory, work)?;
         }
+        Ok(exact)
     }
 
     /// Spreads the paths at the nodes of some emissions, and what multiplies their amplitudes.

@@ -378,6 +378,16 @@ impl WaterScattering {
         &self.strength
     }
 
+    /// The spectrum that scatters, and whose waves are resolved.
+    pub fn spectrum(&self) -> &dyn Spectrum {
+        self.spectrum.as_ref()
+    }
+
+    /// Variances of the slopes within a facet, along and across the wind.
+    pub fn tilt_variances(&self) -> [f64; 2] {
+        self.tilt_variances
+    }
+
     /// The sea as its own mirror, of waves of a standard deviation, m.
     pub fn two_rays(&self, height_rms_m: f64) -> TwoRays {
         let [up, across] = self.tilt_variances;
