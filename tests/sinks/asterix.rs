@@ -142,10 +142,13 @@ fn volume(message: &[u8]) -> (u8, usize, usize, usize) {
     (message[4] & 0x70, message[31].into(), octets, cells)
 }
 
+/// Messages: item, its repetitions, cells.
+type Pieces = &'static [(u8, usize, usize)];
+
 #[test]
 fn a_radial_is_split_by_range_as_the_packet_size_asks() {
-    // Cells, bits, greatest packet; messages: item, its repetitions, cells.
-    let cases: [(usize, Bits, usize, &[(u8, usize, usize)]); 6] = [
+    // Cells, bits, greatest packet, and the messages.
+    let cases: [(usize, Bits, usize, Pieces); 6] = [
         (1020, Bits::Eight, 1500, &[(0x40, 255, 1020)]),
         (1021, Bits::Eight, 1500, &[(0x20, 16, 1021)]),
         // 1472 bytes less 35: 22 blocks of 64.
