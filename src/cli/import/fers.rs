@@ -14,18 +14,15 @@
 //!
 //! Source: the schema `fers-xml.dtd` of FERS 1.0, and its documentation.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use super::motion::{Interpolation, Motion, Waypoint, csv};
 use super::radiated::{Signal, mode};
 use super::reading::{Names, Reading};
+use super::scene::{ANY, Import, NOT_NEGATIVE, put};
 use super::tree::Element;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
-pub(super) const ANY: [f64; 2] = [-1e12, 1e12];
-pub(super) const POSITIVE: [f64; 2] = [1e-12, 1e15];
-pub(super) const NOT_NEGATIVE: [f64; 2] = [0.0, 1e15];
 /// Noise of an ideal receiver, K.
 const T0_K: f64 = 290.0;
 
@@ -49,19 +46,6 @@ struct Carrier<'a> {
 struct Node<'a> {
     element: &'a Element,
     carrier: usize,
-}
-
-pub(super) struct Import<'a> {
-    pub reading: Reading,
-    pub folder: &'a Path,
-    names: Names,
-    pub files: Vec<(String, String)>,
-    pub waveforms: Vec<&'a Element>,
-    pub antennas: Vec<&'a Element>,
-    rate_hz: f64,
-    begin_s: f64,
-    end_s: f64,
-    in_degrees: bool,
 }
 
 /// Makes a scenario of a document; `folder` has the files that it names, `radar` is the transmitter to take
@@ -450,9 +434,4 @@ fn window(reading: &mut Reading, node: &Element, rate_hz: f64) -> (f64, f64) {
 fn fixed_at(az_deg: f64, el_deg: f64) -> String {
     let (yaw, pitch) = (az_deg % 360.0, el_deg.clamp(-90.0, 90.0));
     format!("{{ kind = \"fixed\", yaw_deg = {yaw:?}, pitch_deg = {pitch:?} }}")
-}
-
-pub(super) fn put(text: &mut String, line: std::fmt::Arguments<'_>) {
-    // Writing to a String cannot fail.
-    let _ = writeln!(text, "{line}");
 }

@@ -6,6 +6,7 @@ mod motion;
 mod pulse_file;
 mod radiated;
 mod reading;
+mod scene;
 mod tree;
 
 use std::fs;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::antenna::Pattern;
-use super::fers::{ANY, Import, NOT_NEGATIVE, POSITIVE, put};
 use super::pulse_file;
+use super::scene::{ANY, Import, NOT_NEGATIVE, POSITIVE, put};
 use super::tree::Element;
 use crate::units::SPEED_OF_LIGHT_MPS;
 

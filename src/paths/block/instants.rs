@@ -277,6 +277,16 @@ pub(super) fn through<const N: usize>(places: &[usize], pulse: usize, slow: &Slo
     weights
 }
 
+/// At a pulse, the node before it, and what a polynomial through nodes leaves there, over the next difference
+/// that it does not know.
+pub(super) fn left_at(places: &[usize], pulse: usize, slow: &SlowTime) -> (usize, f32) {
+    let (Some(first), Some(last)) = (places.first(), places.last()) else { return (0, 0.0) };
+    let step = (slow.at(*last) - slow.at(*first)) / (places.len() - 1).max(1) as f64;
+    let of = |(n, place): (usize, &usize)| (slow.at(pulse) - slow.at(*place)) / (step * (n + 1) as f64);
+    let left = places.iter().enumerate().map(of).product::<f64>().abs() as f32;
+    (places.partition_point(|place| *place <= pulse).clamp(1, places.len().max(2) - 1) - 1, left)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,10 +1,10 @@
 //! The emissions at which the tiles of a block are evaluated, and the weights of what lies between.
 
 use super::instants::{
-    EPOCH_POINTS, GAIN_POINTS, Instants, NODES, Tier, epochs_about, gain_instants, gain_weights, through,
+    EPOCH_POINTS, GAIN_POINTS, Instants, NODES, Tier, epochs_about, gain_instants, gain_weights, left_at,
+    through,
 };
 use super::slow_time::SlowTime;
-use super::turning::left_at;
 use crate::paths::PathGenerator;
 use crate::paths::emission::Emission;
 use crate::radar::fault::RadarError;

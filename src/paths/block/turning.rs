@@ -51,7 +51,8 @@ pub(super) struct Turning {
     surface: Option<(f64, Slopes)>,
 }
 
-/// What a polynomial through the nodes may leave of cosines from a node to the next, over [`left_at`];
+/// What a polynomial through the nodes may leave of cosines from a node to the next, over what of it is left
+/// at a pulse ([`left_at`](super::instants::left_at));
 /// negative where a facet does not count or does not pass zero. `[end][node]`.
 #[derive(Clone)]
 struct Bends([[Row; NODES]; 2]);
@@ -312,14 +313,4 @@ impl Task for Turn<'_> {
         }
         any > 0.0
     }
-}
-
-/// At a pulse, the node before it, and what a polynomial through nodes leaves there, over the next difference
-/// that it does not know.
-pub(super) fn left_at(places: &[usize], pulse: usize, slow: &SlowTime) -> (usize, f32) {
-    let (Some(first), Some(last)) = (places.first(), places.last()) else { return (0, 0.0) };
-    let step = (slow.at(*last) - slow.at(*first)) / (places.len() - 1).max(1) as f64;
-    let of = |(n, place): (usize, &usize)| (slow.at(pulse) - slow.at(*place)) / (step * (n + 1) as f64);
-    let left = places.iter().enumerate().map(of).product::<f64>().abs() as f32;
-    (places.partition_point(|place| *place <= pulse).clamp(1, places.len().max(2) - 1) - 1, left)
 }
