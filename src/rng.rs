@@ -42,8 +42,8 @@ pub enum Room {
     RainDrop = 40,
     /// Waves of the far sea: one stream.
     FarWave = 43,
-    /// Cells of the far sea: index = numbers of a square of the sea (32 bits each), part = slot of time * 256 +
-    /// level of the square.
+    /// Cells of the far sea: index = numbers of a square of the sea (32 bits each), part = slot of time
+    /// times 256, plus level of the square.
     FarCell = 44,
     /// Samples of a continuous signal: the place in the stream is that of the sample.
     Waveform = 42,

@@ -26,8 +26,8 @@ impl PathGenerator {
         self.far_cells().map_or(1, |(cells, _)| (cells / SAMPLED_CELLS) as usize | 1)
     }
 
-    /// Fills `paths` with rain if it is asked for, and with one of so many cells of the far sea, which has the
-    /// power of as many; with none of them for 0.
+    /// Fills `paths` with rain if it is asked for, and with one of so many cells of the far sea, which has
+    /// the power of as many; with none of them for 0.
     ///
     /// # Errors
     /// A pulse that the tracks do not cover.

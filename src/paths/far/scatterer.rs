@@ -152,8 +152,8 @@ impl Scatterer {
         [[vv, vh], [hv, hh]]
     }
 
-    /// Root of the share of such cells at this height that antennas in these directions see, and the field of the ray that
-    /// the sea reflects, where that interferes.
+    /// Root of the share of such cells at this height that antennas in these directions see, and the field
+    /// of the ray that the sea reflects, where that interferes.
     fn seen_share(&self, plan: &FarPlan, ends: [DVec3; 2]) -> f64 {
         if !plan.shadowed {
             return 1.0;

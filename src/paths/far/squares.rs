@@ -43,7 +43,7 @@ impl Square {
     pub const ALL: Self = Self { level: 0, at: [0; 2] };
 
     fn sides_m(self) -> [f64; 2] {
-        [(self.level + 1) / 2, self.level / 2].map(|halved| 2.0 * HALF_M / f64::from(1u32 << halved))
+        [self.level.div_ceil(2), self.level / 2].map(|halved| 2.0 * HALF_M / f64::from(1u32 << halved))
     }
 
     fn half(self, upper: u32) -> Self {

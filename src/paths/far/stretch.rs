@@ -1,8 +1,8 @@
 //! The far sea over a stretch of pulses: exact paths at its nodes, and in between only what changes fast.
 //!
 //! Cells run straight on, so that delays and matrices are cubics through the nodes, as those of breaking
-//! waves are ([`crate::paths::spikes::stretch`], by whose limits a stretch is made shorter). Gains, envelopes,
-//! horizons and main lobes are found at every pulse and multiply the amplitude.
+//! waves are ([`crate::paths::spikes::stretch`], by whose limits a stretch is made shorter). Gains,
+//! envelopes, horizons and main lobes are found at every pulse and multiply the amplitude.
 
 use glam::DVec3;
 use num_complex::Complex64;
@@ -147,8 +147,8 @@ impl PathGenerator {
 }
 
 /// Turns `[path][pulse]` groups of so many into `[pulse][path]`.
-fn transpose(values: &mut Vec<f64>, [paths, pulses]: [usize; 2], size: usize) {
-    let before = values.clone();
+fn transpose(values: &mut [f64], [paths, pulses]: [usize; 2], size: usize) {
+    let before = values.to_owned();
     for path in 0..paths {
         for pulse in 0..pulses {
             let (from, to) = ((path * pulses + pulse) * size, (pulse * paths + path) * size);
