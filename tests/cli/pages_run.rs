@@ -57,19 +57,20 @@ const BEFORE: [(&str, &str); 5] = [
 ];
 
 /// Scenarios with a sea, by the beginning of their names.
-const WITH_SEA: [&str; 6] = [
+const WITH_SEA: [&str; 7] = [
     "configs/mars-",
     "configs/quickstart",
     "configs/sea",
     "configs/continuous",
     "configs/passive",
+    "configs/scan.toml",
     "first.toml",
 ];
 
 /// What makes a sea quick in a debug build: few facets, and no plan of the fast echo, whose dry run takes a
 /// minute. The tests of plans and benchmarks run the fast echo. Of settings of the same key the last one
 /// counts.
-const SMALL_SEA: [&str; 2] = ["scene.patch_size_m=[32,32]", "fidelity.echo=reference"];
+const SMALL_SEA: [&str; 2] = ["scene.patch_size_m=[48,48]", "fidelity.echo=reference"];
 
 /// Sets an option, in place of its value where it is given.
 fn set(words: &mut Vec<String>, option: &str, value: &str) {
