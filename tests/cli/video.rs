@@ -46,8 +46,31 @@ impl Message {
     }
 }
 
-/// Runs the scenario with a sink of video beside these settings of it.
+/// Datagrams that the system has discarded because nobody read a socket in time; 0 where it does not say.
+fn discarded(socket: &UdpSocket) -> u64 {
+    let port = format!(":{:04X}", socket.local_addr().unwrap().port());
+    let table = fs::read_to_string("/proc/net/udp").unwrap_or_default();
+    let fields = table.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    fields
+        .filter(|fields| fields.get(1).is_some_and(|address| address.ends_with(&port)))
+        .filter_map(|fields| fields.last()?.parse::<u64>().ok())
+        .sum()
+}
+
+/// Runs the scenario with a sink of video beside these settings of it; again where the system has discarded
+/// messages, as a loaded machine does.
 fn video(folder: &Path, sink: &str, settings: &[&str]) -> (Vec<Message>, String) {
+    for _ in 0..5 {
+        let (found, said, discarded) = video_once(folder, sink, settings);
+        if discarded == 0 {
+            return (found, said);
+        }
+        println!("{discarded} messages were discarded by the system");
+    }
+    panic!("the system discards messages again and again");
+}
+
+fn video_once(folder: &Path, sink: &str, settings: &[&str]) -> (Vec<Message>, String, u64) {
     fs::write(folder.join("s.toml"), SCENARIO).unwrap();
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     socket.set_read_timeout(Some(Duration::from_millis(200))).unwrap();
@@ -70,7 +93,7 @@ fn video(folder: &Path, sink: &str, settings: &[&str]) -> (Vec<Message>, String)
         let run = nereus(folder, &arguments);
         ended.store(true, Ordering::Release);
         assert_eq!(run.code, 0, "{}", run.stderr);
-        (reader.join().unwrap(), run.stdout + &run.stderr)
+        (reader.join().unwrap(), run.stdout + &run.stderr, discarded(&socket))
     })
 }
 
