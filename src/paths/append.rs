@@ -38,7 +38,7 @@ impl PathGenerator {
             self.emissions_in_window(index, &workspace.own, &Window::hull(windows.iter().copied()))?;
         workspace.costs.lap(Stage::Record);
         self.append_others(index, in_window.start..in_window.end.min(index), windows, workspace, paths)?;
-        let Workspace { own, other, amplitude, ships, sea, costs, places, .. } = &mut *workspace;
+        let Workspace { own, other, amplitude, ships, sea, far, costs, places, .. } = &mut *workspace;
         let reception = self.reception(index, index, own, windows);
         let outside = self.append(&reception, amplitude, paths)
             || self.ships_reach_outside(index, &reception, ships)?;
@@ -47,7 +47,7 @@ impl PathGenerator {
             self.append_sea(index, &reception, sea, (&mut *amplitude, &mut *costs), paths)?;
         }
         self.append_rain(index, &reception, (other, places, amplitude), paths)?;
-        self.append_far_sea((index, 1), &reception, (other, places, amplitude), paths)?;
+        self.append_far_sea((index, 1), &reception, (other, places, amplitude), far, paths)?;
         self.append_others(index, in_window.start.max(index + 1)..in_window.end, windows, workspace, paths)?;
         Ok(outside)
     }

@@ -256,6 +256,7 @@ pub struct Workspace {
     amplitude: Vec<Complex64>,
     ships: ShipWork,
     sea: Option<SeaWork>,
+    far: Option<far::Work>,
     places: Vec<Point<Enu>>,
     /// Of the pulse at hand.
     windows: Vec<Window>,
@@ -418,7 +419,8 @@ impl PathGenerator {
         let (stretch, ships) = (Default::default(), self.ship_work());
         let windows = Vec::with_capacity(self.windows());
         let (hearing, costs) = (Hearing::default(), Costs::default());
-        Workspace { own, other, stretch, amplitude, ships, sea: None, places, windows, hearing, costs }
+        let (sea, far) = (None, None);
+        Workspace { own, other, stretch, amplitude, ships, sea, far, places, windows, hearing, costs }
     }
 
     /// Fills `paths` with all that the window of pulse `index` receives, and index, time, window start,

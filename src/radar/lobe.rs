@@ -8,11 +8,16 @@
 //! | measured | the cone about its peak that holds all points of the grid within 20 dB of it |
 //! | isotropic; measured with a floor within 20 dB | everything |
 
+// Lanes are counted: so they become vectors.
+#![allow(clippy::needless_range_loop)]
+
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
 use super::antenna::Antenna;
+use crate::cpu::{Task, Variant};
+use crate::geometry::lanes::{Row, lanes_for};
 
 /// First zero of `J1(pi x)`.
 const FIRST_NULL: f64 = 1.219_669_891_266_504_4;
@@ -113,11 +118,98 @@ impl MainLobe {
             Shape::Cone(axis, half_rad) => d.angle_between(axis) <= half_rad + slack_rad,
         }
     }
+
+    /// The same of unit directions side by side, in f32: multiplies by 0 where it does not.
+    pub fn keep(&self, variant: Variant, count: usize, direction: &[Row; 3], slack_rad: f64, out: &mut Row) {
+        let slack_rad = slack_rad as f32;
+        match self.shape {
+            Shape::All => {}
+            Shape::Rectangle(sides) => {
+                let most = sides.map(|side| side as f32 + slack_rad);
+                variant.run(KeepRectangle { count, direction, most, slack_rad, out });
+            }
+            Shape::Ellipse(sides) => {
+                let sides = sides.map(|side| side as f32);
+                variant.run(KeepEllipse { count, direction, sides, slack_rad, out });
+            }
+            Shape::Cone(axis, half_rad) => {
+                let cosine = (half_rad + f64::from(slack_rad)).min(PI).cos() as f32;
+                let axis = axis.to_array().map(|c| c as f32);
+                variant.run(KeepCone { count, direction, axis, cosine, out });
+            }
+        }
+    }
+}
+
+struct KeepRectangle<'a> {
+    count: usize,
+    direction: &'a [Row; 3],
+    most: [f32; 2],
+    slack_rad: f32,
+    out: &'a mut Row,
+}
+
+impl Task for KeepRectangle<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { count, direction: [x, y, z], most: [u, v], slack_rad, out } = self;
+        for i in 0..lanes_for(count) {
+            let held = (x[i] > -slack_rad) & (y[i].abs() <= u) & (z[i].abs() <= v);
+            out[i] = if held { out[i] } else { 0.0 };
+        }
+    }
+}
+
+struct KeepEllipse<'a> {
+    count: usize,
+    direction: &'a [Row; 3],
+    sides: [f32; 2],
+    slack_rad: f32,
+    out: &'a mut Row,
+}
+
+impl Task for KeepEllipse<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { count, direction: [x, y, z], sides: [u, v], slack_rad, out } = self;
+        for i in 0..lanes_for(count) {
+            let a = (y[i].abs() - slack_rad).max(0.0) / u;
+            let b = (z[i].abs() - slack_rad).max(0.0) / v;
+            let held = (x[i] > -slack_rad) & (a * a + b * b <= 1.0);
+            out[i] = if held { out[i] } else { 0.0 };
+        }
+    }
+}
+
+struct KeepCone<'a> {
+    count: usize,
+    direction: &'a [Row; 3],
+    axis: [f32; 3],
+    cosine: f32,
+    out: &'a mut Row,
+}
+
+impl Task for KeepCone<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { count, direction: [x, y, z], axis, cosine, out } = self;
+        for i in 0..lanes_for(count) {
+            let held = x[i] * axis[0] + y[i] * axis[1] + z[i] * axis[2] >= cosine;
+            out[i] = if held { out[i] } else { 0.0 };
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::lanes::LANES;
 
     #[test]
     fn apertures_end_at_their_first_nulls() {
@@ -133,5 +225,35 @@ mod tests {
         assert!(antenna.field_gain(crate::frames::Vector::from_raw(null)).norm() < 1e-2);
         assert!(lobe.holds(at(0.0, 0.01219), 0.0) && !lobe.holds(at(0.0, 0.01221), 0.0));
         assert!(MainLobe::of(&Antenna::Isotropic { gain: 3.0 }).holds(DVec3::NEG_X, 0.0));
+    }
+
+    /// Side by side directions are kept as one by one, but for those within rounding of an edge.
+    #[test]
+    fn directions_side_by_side_are_kept_alike() {
+        let wavelength_m = 0.03;
+        let cone = MainLobe { shape: Shape::Cone(DVec3::new(0.8, 0.6, 0.0), 0.3), solid_angle_sr: 1.0 };
+        let lobes = [
+            MainLobe::of(&Antenna::Rectangle { width_m: 0.3, height_m: 0.1, wavelength_m }),
+            MainLobe::of(&Antenna::Ellipse { width_m: 0.3, height_m: 0.1, wavelength_m }),
+            MainLobe::of(&Antenna::Isotropic { gain: 1.0 }),
+            cone,
+        ];
+        for (lobe, slack_rad) in lobes.iter().flat_map(|lobe| [(lobe, 0.0), (lobe, 0.05)]) {
+            let mut direction = [[0.0; LANES]; 3];
+            let mut held = 0;
+            for i in 0..LANES {
+                let (a, b) = ((i as f64 * 0.618).fract() * 6.0 - 3.0, (i as f64 / 256.0 - 0.5) * 2.0);
+                let d = DVec3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin());
+                (0..3).for_each(|c| direction[c][i] = d[c] as f32);
+                held += usize::from(lobe.holds(d, slack_rad));
+            }
+            let mut out = [2.0; LANES];
+            lobe.keep(Variant::fastest(), LANES, &direction, slack_rad, &mut out);
+            for (i, out) in out.into_iter().enumerate() {
+                let d = DVec3::from_array([0, 1, 2].map(|c| f64::from(direction[c][i])));
+                assert_eq!(out, if lobe.holds(d, slack_rad) { 2.0 } else { 0.0 }, "{lobe:?} {d}");
+            }
+            assert!(held > 0);
+        }
     }
 }

@@ -257,7 +257,7 @@ impl Task for Sums<'_> {
 /// Sine and cosine of -1/2 to 1/2 turns, within 4e-6: those of a quarter of the angle by Taylor's series,
 /// doubled twice.
 #[inline(always)]
-fn sin_cos_of_turns(turns: f32) -> (f32, f32) {
+pub(crate) fn sin_cos_of_turns(turns: f32) -> (f32, f32) {
     let y = 0.25 * std::f32::consts::TAU * turns;
     let z = y * y;
     let sin = y * (1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z * (1.0 / 362_880.0)))));

@@ -26,7 +26,7 @@ const NORTH: [f32; 3] = [0.0, 1.0, 0.0];
 
 /// What a channel takes of each entry of the scattering matrix, `[receive][transmit]`: products of the shares
 /// of H and V of its ports. Ports and isolations are those of transmitter and receiver.
-pub(super) fn port_products(
+pub(in crate::paths) fn port_products(
     ports: [Polarisation; 2],
     isolations_db: [Option<f64>; 2],
 ) -> [[Complex32; 2]; 2] {
@@ -37,7 +37,7 @@ pub(super) fn port_products(
 }
 
 /// A polarisation basis in f32.
-pub(super) struct LaneBasis {
+pub(in crate::paths) struct LaneBasis {
     kind: PolarisationBasis,
     /// Its axes as rows of three.
     axes: [[f32; 3]; 3],
@@ -153,7 +153,7 @@ impl Task for Solve<'_> {
 
 /// A tile over one pair at an instant between nodes.
 #[derive(Clone)]
-pub(super) struct View {
+pub(in crate::paths) struct View {
     pub incident: Vectors,
     pub scattered: Vectors,
     pub leg_m: [Row; 2],
@@ -242,16 +242,34 @@ impl Task for Sight<'_> {
             bases[1].vectors(n, -1.0, scattered, delay_s, receive);
             return;
         }
-        for i in 0..n {
-            let (ki, ks) = (at(&batch.incident, i), at(&batch.scattered, i));
-            let (v_h_in, v_h_out) = (vertical_horizontal(ki), vertical_horizontal(ks));
-            for axis in 0..2 {
-                for c in 0..3 {
-                    batch.transmit[axis][c][i] = v_h_in[axis][c];
-                    batch.receive[axis][c][i] = v_h_out[axis][c];
-                }
+        on_rays(batch);
+    }
+}
+
+/// Vertical and horizontal vectors of both rays for those of the antennas.
+#[inline(always)]
+fn on_rays(batch: &mut Batch) {
+    for i in 0..lanes_for(batch.count) {
+        let (ki, ks) = (at(&batch.incident, i), at(&batch.scattered, i));
+        let (v_h_in, v_h_out) = (vertical_horizontal(ki), vertical_horizontal(ks));
+        for axis in 0..2 {
+            for c in 0..3 {
+                batch.transmit[axis][c][i] = v_h_in[axis][c];
+                batch.receive[axis][c][i] = v_h_out[axis][c];
             }
         }
+    }
+}
+
+/// The same alone.
+pub(in crate::paths) struct OnRays<'a>(pub &'a mut Batch);
+
+impl Task for OnRays<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        on_rays(self.0);
     }
 }
 
@@ -267,7 +285,7 @@ fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 
 /// A matrix on the vertical and horizontal vectors of both rays becomes one on the polarisation bases of the
 /// antennas.
-pub(super) struct OntoPorts<'a> {
+pub(in crate::paths) struct OntoPorts<'a> {
     /// Transmit, receive.
     pub bases: &'a [LaneBasis; 2],
     pub view: &'a View,
@@ -310,7 +328,7 @@ impl Task for OntoPorts<'_> {
 }
 
 /// What all channels share: the way there and back, and the area of the facet.
-pub(super) struct Scale<'a> {
+pub(in crate::paths) struct Scale<'a> {
     pub link: LaneLink,
     pub footprint_m2: f32,
     pub view: &'a View,
@@ -338,7 +356,7 @@ impl Task for Scale<'_> {
 }
 
 /// A scale in the rain between two ports.
-pub(super) struct InRain<'a> {
+pub(in crate::paths) struct InRain<'a> {
     pub rain: OfPorts<f32>,
     /// Of transmitter and receiver.
     pub ports: [Polarisation; 2],

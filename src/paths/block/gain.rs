@@ -59,6 +59,32 @@ impl Shape {
             Antenna::Ellipse { .. } | Antenna::Grid(_) => Self::Other,
         }
     }
+
+    /// Multiplies by the real field gain in unit directions in the frame of the antenna.
+    fn weigh(
+        self,
+        antenna: &Antenna,
+        variant: Variant,
+        count: usize,
+        direction: &[Row; 3],
+        out: &mut Row,
+    ) {
+        match self {
+            Self::Constant(gain) => out.iter_mut().for_each(|g| *g *= gain),
+            Self::Rectangle { peak, sides } => {
+                variant.run(Rectangle { count, peak, sides, direction, out });
+            }
+            Self::Tapered { peak, sides, tapers } => {
+                variant.run(Tapered { count, peak, sides, tapers: &tapers, direction, out });
+            }
+            Self::Other => {
+                for (i, gain) in out.iter_mut().enumerate().take(count) {
+                    let d = DVec3::from_array([0, 1, 2].map(|c| f64::from(direction[c][i])));
+                    *gain *= antenna.field_gain(Vector::from_raw(d)).re as f32;
+                }
+            }
+        }
+    }
 }
 
 /// An antenna at an instant, for directions one by one.
@@ -78,6 +104,18 @@ impl Sight {
     /// The same antenna a while later, where it turns so much in a second.
     pub fn later(&self, change_per_s: Axes, by_s: f64) -> Self {
         Self { turn: self.turn + change_per_s.transpose() * by_s, ..*self }
+    }
+
+    /// Multiplies by the real field gains in unit directions in the frame of the antenna.
+    pub fn weigh(
+        &self,
+        antenna: &Antenna,
+        variant: Variant,
+        count: usize,
+        direction: &[Row; 3],
+        out: &mut Row,
+    ) {
+        self.shape.weigh(antenna, variant, count, direction, out);
     }
 
     /// Real field gain in a direction from the antenna, within 1e-6 of the peak.
@@ -116,26 +154,11 @@ impl Gains<'_> {
                 continue;
             }
             let shape = Shape::of(sighted.antenna);
-            if let Shape::Constant(gain) = shape {
-                out.iter_mut().for_each(|g| *g *= gain);
-                continue;
-            }
             let mut direction = [[0.0f32; LANES]; 3];
-            variant.run(Directions { count, end, sighted, nodes, weights, direction: &mut direction });
-            match shape {
-                Shape::Rectangle { peak, sides } => {
-                    variant.run(Rectangle { count, peak, sides, direction: &direction, out });
-                }
-                Shape::Tapered { peak, sides, tapers } => {
-                    variant.run(Tapered { count, peak, sides, tapers: &tapers, direction: &direction, out });
-                }
-                _ => {
-                    for (i, gain) in out.iter_mut().enumerate().take(count) {
-                        let d = DVec3::from_array([0, 1, 2].map(|c| f64::from(direction[c][i])));
-                        *gain *= sighted.antenna.field_gain(Vector::from_raw(d)).re as f32;
-                    }
-                }
+            if !matches!(shape, Shape::Constant(_)) {
+                variant.run(Directions { count, end, sighted, nodes, weights, direction: &mut direction });
             }
+            shape.weigh(sighted.antenna, variant, count, &direction, out);
         }
     }
 }

@@ -215,7 +215,7 @@ impl PathGenerator {
     }
 
     /// Polarisation basis of an antenna of a pair at an emission, and how it changes.
-    fn basis_of(&self, emission: &Emission, antenna: usize) -> LaneBasis {
+    pub(in crate::paths) fn basis_of(&self, emission: &Emission, antenna: usize) -> LaneBasis {
         let now = emission.basis(antenna);
         let span_s = self.axes_span_s;
         if span_s > 0.0 {

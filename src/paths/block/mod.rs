@@ -77,7 +77,7 @@ use crate::scattering::lanes::{Batch, LandRows};
 use crate::scene::Patch;
 use crate::sea::surface::{Fields, Selection};
 
-use epoch::View;
+pub(in crate::paths) use epoch::{InRain, OnRays, OntoPorts, Scale, View, port_products};
 use forgetting::Forgetting;
 pub use forgetting::{FACET_BYTES as FORGETTING_BYTES, ROOM_BYTES as FORGETTING_ROOM_BYTES};
 pub(in crate::paths) use gain::Sight;

@@ -5,13 +5,14 @@
 //! antennas were when the slot began). A square holds one cell per slot: a facet of the scattering model at a
 //! random place, of the area of the square. Its slopes, the velocity of its water and its roughness are those
 //! of the waves there ([`crate::sea::wave_sum`]) when its life is half over; its matrix is that of a facet of
-//! the patch, times the root of the share of such facets that are seen
-//! ([`crate::geometry::shadow::smith`]). So powers, polarisation, Doppler and the stripes of swell have the
-//! statistics of facets.
+//! the patch, as antennas see it from where they are when the slot begins, times the root of the share of
+//! such facets that are seen ([`crate::geometry::shadow::smith`]). So powers, polarisation, Doppler and the
+//! stripes of swell have the statistics of facets.
 //!
 //! A cell runs straight on: with its water, and along the bisector of each pair as fast as one frequency asks
 //! that is drawn from the lines of the waves that scatter ([`crate::scattering::bragg`]). All of it follows
-//! from the seed, the slot and the numbers of the square alone. Slots of `SLOT_S` overlap by half: a cell
+//! from the seed, the slot and the numbers of the square alone, and is found once, by lots ([`cells`],
+//! [`lots`]), in f32 side by side: reference and fast echo share it. Slots of `SLOT_S` overlap by half: a cell
 //! lasts two of them, with the amplitude `sin(pi s)`, so that the powers of both add up to 1 at every time.
 //!
 //! Where there would be more cells at a pulse than are allowed, squares are larger by a power of two that is
@@ -22,13 +23,16 @@
 //! without wakes, films, land or breakers; linear waves, which stay as they are while a cell lives; the waves
 //! of the patch do not run on beyond its edge.
 
-mod scatterer;
+mod cells;
+mod gains;
+mod lots;
 mod squares;
 mod stretch;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use glam::DVec3;
 use num_complex::Complex64;
 
 use super::emission::Emission;
@@ -37,20 +41,23 @@ use super::kept::Kept;
 use super::list::ScattererPaths;
 use super::sea::{SeaFailure, SeaPlan};
 use super::{PathGenerator, Workspace};
-use crate::frames::{Enu, Point};
+use crate::frames::{Enu, Point, Vector};
 use crate::geometry::horizon;
 use crate::geometry::light_time::{LightTime, bistatic};
 use crate::radar::antenna::Antenna;
 use crate::radar::fault::RadarError;
 use crate::radar::lobe::MainLobe;
 use crate::radar::window::Window;
+use crate::scattering::lanes::LaneWater;
+use crate::scattering::tilt::ScatterMatrix;
 use crate::scattering::two_rays::TwoRays;
 use crate::scene::Scene;
 use crate::scene::sea::Phases;
 use crate::sea::wave_sum::WaveSum;
 use crate::units::SPEED_OF_LIGHT_MPS;
-use scatterer::Scatterer;
-use squares::{Search, Square};
+use cells::{AsSeen, Cells, Maker, Matrix, Room};
+use lots::Lots;
+use squares::{Search, Split, Square, is_on};
 
 /// Half the life of a cell, s.
 const SLOT_S: f64 = 1.0;
@@ -79,11 +86,27 @@ pub(super) struct FarPlan {
     all_slope_rms: f64,
     /// Deviation of frequencies where waves do not travel, rad/s.
     forgets_radps: f64,
+    /// The scattering model, modulated by these waves.
+    lanes: LaneWater,
     slots: Arc<Kept<i64, Slot>>,
+    lots: Arc<Lots>,
     /// Cells of a pulse, mean, and in a resolution cell, the fewest: of some pulses of the run.
     mean: f64,
     in_cell: f64,
     seed: u64,
+}
+
+/// Buffers of one thread.
+#[derive(Clone)]
+pub(super) struct Work {
+    room: Room,
+    stretch: stretch::Buffers,
+}
+
+impl Work {
+    fn new(sea: &SeaPlan, pairs: usize) -> Self {
+        Self { room: Room::new(sea), stretch: stretch::Buffers::new(pairs) }
+    }
 }
 
 /// What holds for a slot.
@@ -123,7 +146,9 @@ impl FarPlan {
             phases: sea.scattering.phases,
             all_slope_rms: (up + cross + of_map[0] + of_map[1]).sqrt(),
             forgets_radps,
+            lanes: plan.lanes.modulated_by(waves.strength()),
             slots: Self::no_slots(antennas.len()),
+            lots: Arc::default(),
             mean: 0.0,
             in_cell: 0.0,
             seed: scene.seed,
@@ -141,7 +166,7 @@ impl FarPlan {
 
     /// The same sea seen from other tracks.
     pub fn renewed(&self) -> Self {
-        Self { slots: Self::no_slots(self.lobes.len()), ..self.clone() }
+        Self { slots: Self::no_slots(self.lobes.len()), lots: Arc::default(), ..self.clone() }
     }
 
     /// Amplitude at a time of a slot: 0 at the ends of the life.
@@ -158,6 +183,11 @@ impl FarPlan {
         let last = (elapsed_s / SLOT_S).floor() as i64;
         [last - 1, last]
     }
+}
+
+/// The matrix of a cell in f64.
+fn of_cell(matrix: &Matrix) -> ScatterMatrix {
+    matrix.map(|row| row.map(|[re, im]| Complex64::new(re.into(), im.into())))
 }
 
 impl PathGenerator {
@@ -229,11 +259,10 @@ impl PathGenerator {
             let patch = sea.patch_at(&reception.surroundings, begin_s);
             let patch = &patch.map_err(|failure| self.track_error(index, failure))?;
             let fits = |coarser: f64| {
-                let (reception, places) = (&reception, &found.places[..]);
-                let search =
-                    Search { plan, of: self, reception, places, coarser, slot, patch, about: [0.0; 2] };
+                let split = Split { plan, of: self, places: &found.places, coarser, slot };
+                let search = Search { split, reception: &reception, patch, about: [0.0; 2] };
                 let mut count = 0;
-                search.visit(Square::ALL, &mut |_| {
+                search.seen_cells(&mut |_| {
                     count += 1;
                     count <= plan.most / 2
                 })
@@ -259,64 +288,92 @@ impl PathGenerator {
         (index, every): (u64, usize),
         reception: &Reception,
         (standing, places, amplitude): (&mut Emission, &mut Vec<Point<Enu>>, &mut [Complex64]),
+        room: &mut Option<Work>,
         paths: &mut ScattererPaths,
     ) -> Result<(), RadarError> {
         let (Some(plan), Some(sea)) = (&self.far, &self.sea) else { return Ok(()) };
-        let (earth, elapsed_s) = (self.frame.earth(), reception.elapsed_s);
+        let elapsed_s = reception.elapsed_s;
+        let room = &mut room.get_or_insert_with(|| Work::new(sea, self.plans.len())).room;
         let patch = sea.patch_at(&reception.surroundings, elapsed_s);
         let patch = &patch.map_err(|failure| self.sea_error(index, SeaFailure::from(failure)))?;
         for slot in FarPlan::slots_at(elapsed_s) {
             let coarser = self.begin_far_slot(plan, (index, slot), standing, places)?;
-            let search = Search { plan, of: self, reception, places, coarser, slot, patch, about: [0.0; 2] };
+            let split = Split { plan, of: self, places, coarser, slot };
+            let search = Search { split, reception, patch, about: [0.0; 2] };
             let (envelope, middle_s) = (FarPlan::envelope(slot, elapsed_s), FarPlan::middle_s(slot));
-            let (mut number, first) = (0, paths.len());
-            search.visit(Square::ALL, &mut |found| {
-                number += 1;
-                if number % every != 0 {
-                    return true;
+            let maker = Maker { split, sea, middle_s };
+            let first = paths.len();
+            let mut append = |cells: &Cells| {
+                for (i, place) in cells.places.iter().enumerate() {
+                    let [x, y, _] = place.to_array();
+                    if !is_on(patch, [x, y]) {
+                        let at = (elapsed_s - middle_s, envelope);
+                        self.append_cell(&search, (cells, i, at), amplitude, paths);
+                    }
                 }
-                let cell = Scatterer::new(plan, found, earth, middle_s);
-                let at = (elapsed_s - middle_s, envelope);
-                self.append_cell(reception, (&cell, places, at), amplitude, paths);
+            };
+            if every == 1 {
+                search.lots(Square::ALL, &mut |lot| {
+                    plan.lots.with((slot, lot), || maker.lot(lot, room), &mut append);
+                    true
+                });
+                continue;
+            }
+            // Those of a sample are not kept.
+            let (mut number, mut count, mut cells) = (0, 0, Cells::default());
+            search.seen_cells(&mut |found| {
+                number += 1;
+                if number % every == 0 {
+                    maker.add(found, &mut count, room, &mut cells);
+                }
                 true
             });
-            if every > 1 {
-                paths.turn(first, Complex64::from((every as f64).sqrt()));
-            }
+            maker.finish(count, room, &mut cells);
+            append(&cells);
+            paths.turn(first, Complex64::from((every as f64).sqrt()));
         }
         Ok(())
     }
 
+    /// Appends a cell if any pair sees it.
     fn append_cell(
         &self,
-        reception: &Reception,
-        (cell, places, (from_middle_s, envelope)): (&Scatterer, &[Point<Enu>], (f64, f64)),
+        search: &Search,
+        (cells, i, (from_middle_s, envelope)): (&Cells, usize, (f64, f64)),
         amplitude: &mut [Complex64],
         paths: &mut ScattererPaths,
     ) {
-        let (Some(far), Some(sea)) = (&self.far, &self.sea) else { return };
+        let reception = search.reception;
         let Reception { emission, tx_pol, offset_s, .. } = *reception;
         let (earth, transmitters) = (self.frame.hiding_earth(), self.radar.transmitters.len());
         amplitude.fill(Complex64::ZERO);
-        for (pair, plan) in self.plans.iter().enumerate() {
+        let pairs = || self.plans.iter().zip(&cells.pairs);
+        let moved = |seen: &AsSeen| {
+            let velocity = Vector::from_raw(DVec3::from_array(seen.velocities_mps[i].map(f64::from)));
+            (cells.places[i] + velocity * from_middle_s, velocity)
+        };
+        if !pairs().any(|(plan, seen)| search.is_seen_by(plan, moved(seen).0, 0.0)) {
+            return;
+        }
+        for (pair, (plan, seen)) in pairs().enumerate() {
             let ends = [plan.pair.transmitter, transmitters + plan.pair.receiver];
             let [tx, rx] = ends.map(|end| &emission.centres[end]);
-            let seen = cell.seen(far, sea, ends.map(|end| places[end]));
-            let position = cell.place + seen.velocity * from_middle_s;
-            let path = bistatic(LightTime::Exact, tx, position, seen.velocity, rx);
+            let (position, velocity) = moved(seen);
+            let path = bistatic(LightTime::Exact, tx, position, velocity, rx);
             paths.delay_s[pair].push(path.delay_s);
             paths.delay_rate[pair].push(path.delay_rate);
-            if !(reception.window(plan).touches(offset_s + path.delay_s) && plan.receives(tx_pol)) {
+            let touches = reception.window(plan).touches(offset_s + path.delay_s);
+            if !(touches && plan.receives(tx_pol) && search.is_seen_by(plan, position, 0.0)) {
                 continue;
             }
             let passes = [tx, rx].map(|end| {
-                let clearance_m = horizon::clearance_m(earth, end.position, cell.place);
+                let clearance_m = horizon::clearance_m(earth, end.position, cells.places[i]);
                 horizon::weight(clearance_m, horizon::POINT_EDGE_M)
             });
             let scale = plan.link.scattered_over(&path) * passes[0] * passes[1] * envelope;
             if scale > 0.0 {
-                let matrix = Some(&seen.matrix);
-                self.amplitudes(plan, (&path, None), matrix, scale, tx_pol, emission, amplitude);
+                let matrix = of_cell(&seen.matrices[i]);
+                self.amplitudes(plan, (&path, None), Some(&matrix), scale, tx_pol, emission, amplitude);
             }
         }
         paths.finish(offset_s, amplitude);
@@ -332,10 +389,10 @@ impl PathGenerator {
         if self.far.is_none() {
             return Ok(());
         }
-        let Workspace { own, other, amplitude, places, windows, .. } = workspace;
+        let Workspace { own, other, amplitude, places, windows, far, .. } = workspace;
         self.evaluate(index, own)?;
         self.windows_at(index, windows)?;
         let reception = self.reception_of_all(index, own, windows);
-        self.append_far_sea((index, every), &reception, (other, places, amplitude), paths)
+        self.append_far_sea((index, every), &reception, (other, places, amplitude), far, paths)
     }
 }

@@ -1,4 +1,7 @@
 //! Squares of the sea: where the cells of the far sea are.
+//!
+//! A square is halved until it is no larger than is wanted about its middle. On the way down a square of some
+//! [`LOT_CELLS`] cells is a **lot**: cells are found and kept by lots, whether or not a beam sees all of one.
 
 use std::f64::consts::PI;
 
@@ -7,9 +10,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::FarPlan;
-use crate::frames::{Enu, Point};
+use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
-use crate::paths::PathGenerator;
+use crate::paths::{PairPlan, PathGenerator};
 use crate::paths::facets::Reception;
 use crate::rng::{Room, stream};
 use crate::scene::Patch;
@@ -25,14 +28,17 @@ const WIDEST_RAD: f64 = 0.5;
 /// Least horizontal part of the gradient of the way: under an antenna cells of range are wide.
 const LEAST_GRADIENT: f64 = 0.1;
 
+/// Cells of a lot, at most, nearly.
+const LOT_CELLS: f64 = 64.0;
+
 /// A rectangle of the sea that is split: level and numbers along x and y.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Square {
     level: u32,
     at: [u32; 2],
 }
 
-/// A cell that an antenna may see: its random numbers, where it is when its life is half over, and its area.
+/// A cell: its random numbers, where it is when its life is half over, and its area.
 pub(super) struct Found {
     pub rng: ChaCha8Rng,
     pub place_m: [f64; 2],
@@ -46,6 +52,11 @@ impl Square {
         [self.level.div_ceil(2), self.level / 2].map(|halved| 2.0 * HALF_M / f64::from(1u32 << halved))
     }
 
+    fn low_m(self) -> [f64; 2] {
+        let sides_m = self.sides_m();
+        [0, 1].map(|i| f64::from(self.at[i]) * sides_m[i] - HALF_M)
+    }
+
     fn half(self, upper: u32) -> Self {
         let mut at = self.at;
         let axis = (self.level % 2) as usize;
@@ -54,33 +65,45 @@ impl Square {
     }
 }
 
-/// What is looked for in a slot at a pulse.
-pub(super) struct Search<'a> {
+/// How the sea is split in a slot: it follows from the slot alone.
+#[derive(Clone, Copy)]
+pub(super) struct Split<'a> {
     pub plan: &'a FarPlan,
     pub of: &'a PathGenerator,
-    pub reception: &'a Reception<'a>,
     /// Where antennas were when the slot began.
     pub places: &'a [Point<Enu>],
     pub coarser: f64,
     pub slot: i64,
+}
+
+/// What is looked for at a pulse, or at some.
+#[derive(Clone, Copy)]
+pub(super) struct Search<'a> {
+    pub split: Split<'a>,
+    pub reception: &'a Reception<'a>,
     /// The patch of the pulse, on which facets are the sea.
     pub patch: &'a Patch,
-    /// What antennas move and turn about the pulse, m and rad: 0 for that pulse alone.
+    /// What antennas and windows move, and what antennas turn about the pulse, m and rad: 0 for that pulse
+    /// alone.
     pub about: [f64; 2],
 }
 
 /// Whether a place lies on a patch.
-fn is_on(patch: &Patch, place_m: [f64; 2]) -> bool {
+pub(super) fn is_on(patch: &Patch, place_m: [f64; 2]) -> bool {
     (0..2).all(|i| {
         let at = place_m[i] / patch.facet_m - patch.first[i] as f64;
         (0.0..patch.facets[i] as f64).contains(&at)
     })
 }
 
-impl Search<'_> {
-    /// A place of the mean surface.
-    fn surface(&self, [x, y]: [f64; 2]) -> Point<Enu> {
-        Point::new(x, y, -self.of.frame.earth().drop_m(x, y))
+/// A place of the mean surface.
+pub(super) fn surface(earth: Earth, [x, y]: [f64; 2]) -> Point<Enu> {
+    Point::new(x, y, -earth.drop_m(x, y))
+}
+
+impl Split<'_> {
+    fn surface(&self, place_m: [f64; 2]) -> Point<Enu> {
+        surface(self.of.frame.earth(), place_m)
     }
 
     /// Area of the cell about a place, m^2: a range cell by the narrower beam, by the number of cells.
@@ -99,61 +122,93 @@ impl Search<'_> {
         2.0 / self.plan.cells * self.coarser * least.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether any pair sees a circle about a place of the surface.
-    fn is_seen(&self, place: Point<Enu>, radius_m: f64) -> bool {
-        let radius_m = radius_m + self.about[0];
-        let (emission, offset_s) = (self.reception.emission, self.reception.offset_s);
-        let earth = self.of.frame.hiding_earth();
-        self.of.plans.iter().any(|plan| {
-            let ends = [plan.pair.transmitter, self.of.radar.transmitters.len() + plan.pair.receiver];
-            let centres = ends.map(|end| emission.centres[end].position);
-            let ways = centres.map(|centre| place.raw() - centre.raw());
-            let lengths_m = ways.map(|way| way.length());
-            let delay_s = (lengths_m[0] + lengths_m[1]) / SPEED_OF_LIGHT_MPS;
-            let slack_s = 2.0 * radius_m / SPEED_OF_LIGHT_MPS;
-            let (begin_s, window) = (offset_s + delay_s, self.reception.window(plan));
-            let touches = begin_s - slack_s <= window.close_s + window.guard_s
-                && begin_s + slack_s + window.pulse_s >= window.open_s - window.guard_s;
-            touches
-                && (0..2).all(|n| {
-                    let height_m = horizon::height_m(earth, centres[n]);
-                    let farthest_m = horizon::distance_m(earth, [height_m, horizon::POINT_EDGE_M]);
-                    horizon::apart_m(centres[n], place) <= farthest_m + radius_m
-                        && self.in_lobe(ends[n], ways[n], delay_s, radius_m)
-                })
-        })
+    /// Whether a square is larger than that of so many cells.
+    fn is_larger(&self, square: Square, middle: Point<Enu>, cells: f64) -> bool {
+        let [x_m, y_m] = square.sides_m();
+        square.level < DEEPEST && x_m * y_m > cells * std::f64::consts::SQRT_2 * self.wanted_m2(middle)
     }
 
-    /// Whether a circle about a place lies in the main lobe of an antenna.
-    fn in_lobe(&self, end: usize, way: DVec3, delay_s: f64, radius_m: f64) -> bool {
-        let axes = self.reception.emission.axes_after(end, delay_s, self.reception.axes_span_s);
-        let length_m = way.length();
-        let slack_rad = if length_m > radius_m { (radius_m / length_m).asin() } else { PI };
-        self.plan.lobes[end].holds(axes.transpose() * way, slack_rad + self.about[1])
+    fn middle(&self, square: Square) -> Point<Enu> {
+        let (low_m, sides_m) = (square.low_m(), square.sides_m());
+        self.surface([0, 1].map(|i| low_m[i] + 0.5 * sides_m[i]))
     }
 
-    /// Hands over the cells of a square that may be seen; `false` once no more are wanted.
-    pub fn visit(&self, square: Square, each: &mut impl FnMut(Found) -> bool) -> bool {
-        let sides_m = square.sides_m();
-        let low = [0, 1].map(|i| f64::from(square.at[i]) * sides_m[i] - HALF_M);
-        let middle = self.surface([0, 1].map(|i| low[i] + 0.5 * sides_m[i]));
-        let radius_m = 0.5 * sides_m[0].hypot(sides_m[1]);
-        // The surface curves within a large square.
-        let bulge_m = self.of.frame.earth().drop_m(radius_m, 0.0);
-        if !self.is_seen(middle, radius_m + bulge_m + MARGIN_M) {
-            return true;
+    /// Hands over all cells of a square; `false` once no more are wanted.
+    pub fn cells(&self, square: Square, each: &mut impl FnMut(Found) -> bool) -> bool {
+        if self.is_larger(square, self.middle(square), 1.0) {
+            return (0..2).all(|upper| self.cells(square.half(upper), each));
         }
-        let area_m2 = sides_m[0] * sides_m[1];
-        if square.level < DEEPEST && area_m2 > std::f64::consts::SQRT_2 * self.wanted_m2(middle) {
-            return (0..2).all(|upper| self.visit(square.half(upper), each));
-        }
+        let (low_m, sides_m) = (square.low_m(), square.sides_m());
         let [x, y] = square.at.map(u64::from);
         let part = (self.slot as u64) << 8 | u64::from(square.level);
         let mut rng = stream(self.plan.seed, Room::FarCell, x << 32 | y, part);
-        let place_m = [0, 1].map(|i| low[i] + sides_m[i] * rng.random::<f64>());
-        if is_on(self.patch, place_m) || !self.is_seen(self.surface(place_m), 0.0) {
+        let place_m = [0, 1].map(|i| low_m[i] + sides_m[i] * rng.random::<f64>());
+        each(Found { rng, place_m, area_m2: sides_m[0] * sides_m[1] })
+    }
+}
+
+impl Search<'_> {
+    /// Hands over the lots of a square that may be seen; `false` once no more are wanted.
+    pub fn lots(&self, square: Square, each: &mut impl FnMut(Square) -> bool) -> bool {
+        let middle = self.split.middle(square);
+        let [x_m, y_m] = square.sides_m();
+        let radius_m = 0.5 * x_m.hypot(y_m);
+        // The surface curves within a large square.
+        let bulge_m = self.split.of.frame.earth().drop_m(radius_m, 0.0);
+        if !self.is_seen(middle, radius_m + bulge_m + MARGIN_M) {
             return true;
         }
-        each(Found { rng, place_m, area_m2 })
+        if self.split.is_larger(square, middle, LOT_CELLS) {
+            return (0..2).all(|upper| self.lots(square.half(upper), each));
+        }
+        each(square)
+    }
+
+    /// Hands over the cells that are seen, as if the sea were level; `false` once no more are wanted.
+    pub fn seen_cells(&self, each: &mut impl FnMut(Found) -> bool) -> bool {
+        self.lots(Square::ALL, &mut |lot| {
+            self.split.cells(lot, &mut |found| {
+                let place = self.split.surface(found.place_m);
+                is_on(self.patch, found.place_m) || !self.is_seen(place, 0.0) || each(found)
+            })
+        })
+    }
+
+    /// Whether any pair sees a circle about a place.
+    fn is_seen(&self, place: Point<Enu>, radius_m: f64) -> bool {
+        self.split.of.plans.iter().any(|plan| self.is_seen_by(plan, place, radius_m))
+    }
+
+    /// Whether a pair sees a circle about a place.
+    pub fn is_seen_by(&self, plan: &PairPlan, place: Point<Enu>, radius_m: f64) -> bool {
+        let (of, radius_m) = (self.split.of, radius_m + self.about[0]);
+        let (emission, offset_s) = (self.reception.emission, self.reception.offset_s);
+        let earth = of.frame.hiding_earth();
+        let ends = [plan.pair.transmitter, of.radar.transmitters.len() + plan.pair.receiver];
+        let centres = ends.map(|end| emission.centres[end].position);
+        let ways = centres.map(|centre| place.raw() - centre.raw());
+        let lengths_m = ways.map(|way| way.length());
+        let delay_s = (lengths_m[0] + lengths_m[1]) / SPEED_OF_LIGHT_MPS;
+        let slack_s = 2.0 * radius_m / SPEED_OF_LIGHT_MPS;
+        let (begin_s, window) = (offset_s + delay_s, self.reception.window(plan));
+        let touches = begin_s - slack_s <= window.close_s + window.guard_s
+            && begin_s + slack_s + window.pulse_s >= window.open_s - window.guard_s;
+        touches
+            && (0..2).all(|n| {
+                let height_m = horizon::height_m(earth, centres[n]);
+                let farthest_m = horizon::distance_m(earth, [height_m, horizon::POINT_EDGE_M]);
+                // A transmitter stays as it is at the emission.
+                let after_s = if n == 0 { 0.0 } else { delay_s };
+                horizon::apart_m(centres[n], place) <= farthest_m + radius_m
+                    && self.in_lobe(ends[n], ways[n], after_s, radius_m)
+            })
+    }
+
+    /// Whether a circle about a place lies in the main lobe of an antenna.
+    fn in_lobe(&self, end: usize, way: DVec3, after_s: f64, radius_m: f64) -> bool {
+        let axes = self.reception.emission.axes_after(end, after_s, self.reception.axes_span_s);
+        let length_m = way.length();
+        let slack_rad = if length_m > radius_m { (radius_m / length_m).asin() } else { PI };
+        self.split.plan.lobes[end].holds(axes.transpose() * way, slack_rad + self.about[1])
     }
 }

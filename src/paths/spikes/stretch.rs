@@ -102,22 +102,26 @@ impl Slopes {
     }
 
     /// How far the rates of a path at both ends are off, per pulse of an interval.
-    pub(in crate::paths) fn off_s(&self, paths: &[Path], interval_s: f64) -> f64 {
-        let ends = [&paths[0], &paths[paths.len() - 1]];
-        let off = self.0.iter().zip(ends).map(|(weights, end)| {
-            let of = |(weight, path): (&f64, &Path)| weight * (path.delay_s - end.delay_s);
-            (weights.iter().zip(paths).map(of).sum::<f64>() - end.delay_rate * interval_s).abs()
+    ///
+    /// Paths are their delays and rates.
+    pub(in crate::paths) fn off_s(
+        &self,
+        paths: impl ExactSizeIterator<Item = (f64, f64)> + Clone,
+        interval_s: f64,
+    ) -> f64 {
+        let ends = [paths.clone().next(), paths.clone().last()].map(Option::unwrap_or_default);
+        let off = self.0.iter().zip(ends).map(|(weights, (end_s, rate))| {
+            let of = |(weight, (delay_s, _)): (&f64, (f64, f64))| weight * (delay_s - end_s);
+            (weights.iter().zip(paths.clone()).map(of).sum::<f64>() - rate * interval_s).abs()
         });
         off.fold(0.0, f64::max)
     }
 }
 
-/// Whether directions turn by more from one path to another than matrices stay smooth over.
-pub(in crate::paths) fn turns(from: &Path, to: &Path) -> bool {
-    [(from.incident, to.incident), (from.scattered, to.scattered)].into_iter().any(|(a, b)| {
-        let level = (a.x * a.x + a.y * a.y).min(b.x * b.x + b.y * b.y);
-        a.distance_squared(b) > (TURN_RAD * TURN_RAD).min(0.01 * level)
-    })
+/// Whether a direction turns by more than matrices stay smooth over.
+pub(in crate::paths) fn turns(from: DVec3, to: DVec3) -> bool {
+    let level = (from.x * from.x + from.y * from.y).min(to.x * to.x + to.y * to.y);
+    from.distance_squared(to) > (TURN_RAD * TURN_RAD).min(0.01 * level)
 }
 
 impl PathGenerator {
@@ -307,9 +311,10 @@ impl Making<'_> {
             }
             let paths = &paths[..places.len()];
             let lasts = slow.at(places[places.len() - 1]) - slow.at(places[0]);
+            let [first, last] = [&paths[0], &paths[paths.len() - 1]];
             let off_rad = std::f64::consts::TAU * of.radar.carrier_hz * lasts / 18.0
-                * self.slopes.off_s(paths, self.interval_s);
-            smooth &= !within || (off_rad <= PHASE_RAD && !turns(&paths[0], &paths[paths.len() - 1]));
+                * self.slopes.off_s(paths.iter().map(|path| (path.delay_s, path.delay_rate)), self.interval_s);
+            smooth &= !within || (off_rad <= PHASE_RAD && !(turns(first.incident, last.incident) || turns(first.scattered, last.scattered)));
             for ((node, path), &place) in nodes.iter_mut().zip(paths).zip(places) {
                 node.delay_s[pair].push(path.delay_s);
                 node.delay_rate[pair].push(path.delay_rate);

@@ -37,6 +37,7 @@ use crate::cpu::{Task, Variant};
 use crate::geometry::lanes::{GROUP, Held, group, group_mut, groups, lane};
 pub use crate::geometry::lanes::{LANES, Row, lanes_for};
 use crate::scattering::splitting::high_pass;
+use crate::sea::surface::modulation::Strength;
 pub use crate::units::exponential;
 pub use land::LandRows;
 pub(super) use modulation::LaneModulation;
@@ -158,6 +159,12 @@ impl LaneWater {
     /// Whether facets ask for [`Batch::strain`].
     pub fn is_modulated(&self) -> bool {
         self.modulation.is_some()
+    }
+
+    /// The same modulated by other waves of the same spectrum, of which it is the strength.
+    pub fn modulated_by(&self, strength: &Strength) -> Self {
+        let modulation = self.modulation.map(|modulation| modulation.with_strength(strength));
+        Self { modulation, ..self.clone() }
     }
 
     /// How random phases are shared.

@@ -19,6 +19,11 @@ impl LaneModulation {
         self.bias.is_some()
     }
 
+    /// The same of other waves.
+    pub(super) fn with_strength(self, strength: &Strength) -> Self {
+        Self { covariance: strength.covariance.map(|row| row.map(|c| c as f32)), ..self }
+    }
+
     pub(in crate::scattering) fn new(strength: &Strength, bias: &TiltBias) -> Self {
         let round = |row: [f64; 3]| row.map(|c| c as f32);
         let bias = (*bias != TiltBias::default()).then(|| bias.of.map(round));
