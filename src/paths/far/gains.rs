@@ -13,7 +13,7 @@ use crate::cpu::{Task, Variant};
 use crate::frames::{Enu, Point};
 use crate::geometry::horizon;
 use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
-use crate::paths::PathGenerator;
+use crate::paths::{PairPlan, PathGenerator};
 use crate::paths::block::Sight;
 use crate::paths::emission::Emission;
 use crate::radar::lobe::MainLobe;
@@ -36,8 +36,16 @@ fn rows(axes: Axes) -> [[f32; 3]; 3] {
 }
 
 impl Outlook {
-    /// Of an antenna at an emission; `receives` if echoes come later.
-    pub fn of(of: &PathGenerator, emission: &Emission, antenna: usize, receives: bool, from: DVec3) -> Self {
+    /// Of the antennas of a pair at an emission, and at that in the middle of a stretch.
+    pub fn of_pair(of: &PathGenerator, plan: &PairPlan, emission: &Emission, middle: &Emission) -> [Self; 2] {
+        let ends = [plan.pair.transmitter, of.radar.transmitters.len() + plan.pair.receiver];
+        [(ends[0], false), (ends[1], true)].map(|(antenna, receives)| {
+            Self::of(of, emission, antenna, receives, middle.centres[antenna].position.raw())
+        })
+    }
+
+    /// Of an antenna; `receives` if echoes come later.
+    fn of(of: &PathGenerator, emission: &Emission, antenna: usize, receives: bool, from: DVec3) -> Self {
         let centre = &emission.centres[antenna];
         let (axes, change) = of.axes_of(emission, antenna);
         let round = |v: DVec3| v.to_array().map(|c| c as f32);

@@ -101,11 +101,13 @@ pub(super) struct FarPlan {
 pub(super) struct Work {
     room: Room,
     stretch: stretch::Buffers,
+    /// Both antennas of every pair, `[pulse][pair]`.
+    outlooks: Vec<[gains::Outlook; 2]>,
 }
 
 impl Work {
     fn new(sea: &SeaPlan, pairs: usize) -> Self {
-        Self { room: Room::new(sea), stretch: stretch::Buffers::new(pairs) }
+        Self { room: Room::new(sea), stretch: stretch::Buffers::new(pairs), outlooks: Vec::new() }
     }
 }
 

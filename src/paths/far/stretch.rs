@@ -89,6 +89,8 @@ struct Making<'a> {
     /// What antennas and windows move and what antennas turn about the middle, m and rad.
     about: [f64; 2],
     reception: &'a Reception<'a>,
+    /// `[pulse][pair]`.
+    outlooks: &'a [[Outlook; 2]],
 }
 
 impl PathGenerator {
@@ -134,9 +136,23 @@ impl PathGenerator {
         let patch = &patch.map_err(|failure| self.sea_error(first, SeaFailure::from(failure)))?;
         let slow = &stretch.slow;
         let slopes = Slopes::through(at, slow);
-        let made =
-            Making { of: self, plan, emissions, elapsed_s, nodes: at, slow, slopes, about, reception };
-        let Work { room, stretch: buffers } = far.get_or_insert_with(|| Work::new(sea, self.plans.len()));
+        let Work { room, stretch: buffers, outlooks } = far.get_or_insert_with(|| Work::new(sea, self.plans.len()));
+        outlooks.clear();
+        for (emission, plan) in emissions.iter().flat_map(|it| self.plans.iter().map(move |plan| (it, plan))) {
+            outlooks.push(Outlook::of_pair(self, plan, emission, &emissions[count / 2]));
+        }
+        let made = Making {
+            of: self,
+            plan,
+            emissions,
+            elapsed_s,
+            nodes: at,
+            slow,
+            slopes,
+            about,
+            reception,
+            outlooks,
+        };
         buffers.factors.clear();
         buffers.counts.clear();
         let [begin, end] = [elapsed_s[0], elapsed_s[count - 1]].map(FarPlan::slots_at);
@@ -255,9 +271,10 @@ impl Making<'_> {
 
     /// Which cells any pair may see in the stretch: 0 of others.
     fn kept(&self, places: &[Point<Enu>]) -> Row {
-        let (of, count) = (self.of, places.len());
+        let count = places.len();
+        let of_middle = self.emissions.len() / 2 * self.of.plans.len();
         let mut any = [0.0; LANES];
-        for plan in &of.plans {
+        for (pair, plan) in self.of.plans.iter().enumerate() {
             let mut own = [1.0; LANES];
             let mut ways_m = [0.0; LANES];
             let window = self.reception.window(plan);
@@ -270,7 +287,7 @@ impl Making<'_> {
                         rows[c][i] = way[c] as f32;
                     }
                 }
-                let outlook = Outlook::of(of, self.middle(), end, n == 1, centre);
+                let outlook = &self.outlooks[of_middle + pair][n];
                 let mut length_m = [0.0; LANES];
                 let slack_rad = |length_m: &Row| {
                     let nearest_m = length_m[..count].iter().fold(f32::INFINITY, |a, b| a.min(*b));
@@ -403,7 +420,7 @@ impl Making<'_> {
             let at = [0, last].map(|pulse| self.emissions[pulse].centres[end].position);
             Passes::new(of, at, &lit.places, count)
         });
-        for (pulse, emission) in self.emissions.iter().enumerate() {
+        for pulse in 0..self.emissions.len() {
             let envelope = FarPlan::envelope(slot, self.elapsed_s[pulse]);
             if envelope == 0.0 {
                 continue;
@@ -411,7 +428,7 @@ impl Making<'_> {
             let for_s = (self.elapsed_s[pulse] - FarPlan::middle_s(slot)) as f32;
             let mut row = [envelope as f32; LANES];
             for (n, end) in ends.into_iter().enumerate() {
-                let outlook = Outlook::of(of, emission, end, n == 1, centres[n]);
+                let outlook = &self.outlooks[pulse * pairs + pair][n];
                 let moves = Some((&lit.pairs[pair].velocities, for_s));
                 let delay_s = (n == 1).then_some(&delay_s);
                 let cells = Towards { count, places: &places[n], moves, delay_s };
