@@ -161,38 +161,44 @@ function gridOf(side) {
 function paint(side, radiusM, glows) {
   const { away, at, beside } = gridOf(side);
   const { low, high, cellM, spokes } = scope;
-  const perPixel = 2 * radiusM / side;
-  const half = perPixel > cellM ? perPixel / 2 : 0;
-  if (picture?.width !== side) picture = new OffscreenCanvas(side, side);
-  const ctx = picture.getContext("2d");
-  const image = new ImageData(side, side);
-  const out = new Uint32Array(image.data.buffer);
+  const perPixel = 2 * radiusM / side / cellM;
+  const half = perPixel > 1 ? perPixel / 2 : 0;
+  if (picture?.canvas.width !== side) {
+    const image = new ImageData(side, side);
+    picture = { canvas: new OffscreenCanvas(side, side), image, out: new Uint32Array(image.data.buffer) };
+  }
+  const { out, image, canvas } = picture;
+  const codes = scope.at.map((radial) => radial?.codes ?? null);
+  const peaks = Float64Array.from(scope.at, (radial) => radial?.peakDbw ?? 0);
+  const starts = Float64Array.from(scope.at, (radial) => radial ? radial.startM / cellM : 0);
   const scale = 255 / (high - low);
-  const ground = 255 << 24 | GROUND[2] << 16 | GROUND[1] << 8 | GROUND[0];
+  const [red, green, blue] = GROUND;
+  const ground = 255 << 24 | blue << 16 | green << 8 | red;
   for (let place = 0; place < at.length; place++) {
     if (at[place] < 0) continue;
-    const rangeM = away[place] * perPixel;
-    let [best, glow] = [-Infinity, 0];
+    const range = away[place] * perPixel;
+    let [best, glow] = [-1e9, 0];
     for (let by = -beside[place]; by <= beside[place]; by++) {
       const k = (at[place] + by + spokes) % spokes;
-      const radial = scope.at[k];
-      if (!radial || glows[k] === 0) continue;
-      const { codes, startM } = radial;
-      const first = Math.max(0, Math.floor((rangeM - half - startM) / cellM));
-      const last = Math.min(codes.length - 1, Math.floor((rangeM + half - startM) / cellM));
-      for (let cell = first; cell <= last; cell++) {
-        const level = radial.peakDbw - (MOST_CODE - codes[cell]) * STEP_DB;
-        if (codes[cell] && level > best) [best, glow] = [level, glows[k]];
-      }
+      if (glows[k] === 0) continue;
+      const line = codes[k];
+      const first = Math.max(0, Math.floor(range - half - starts[k]));
+      const last = Math.min(line.length - 1, Math.floor(range + half - starts[k]));
+      let most = 0;
+      for (let cell = first; cell <= last; cell++) if (line[cell] > most) most = line[cell];
+      const level = peaks[k] - (MOST_CODE - most) * STEP_DB;
+      if (most && level > best) { best = level; glow = glows[k]; }
     }
     if (glow === 0) { out[place] = ground; continue; }
     const step = (best - low) * scale;
     const pixel = PIXELS[step <= 0 ? 0 : step >= 255 ? 255 : step | 0];
-    const mix = (shift, base) => base + glow * ((pixel >> shift & 255) - base) | 0;
-    out[place] = 255 << 24 | mix(16, GROUND[2]) << 16 | mix(8, GROUND[1]) << 8 | mix(0, GROUND[0]);
+    out[place] = 255 << 24
+      | blue + glow * ((pixel >> 16 & 255) - blue) << 16
+      | green + glow * ((pixel >> 8 & 255) - green) << 8
+      | red + glow * ((pixel & 255) - red);
   }
-  ctx.putImageData(image, 0, 0);
-  return picture;
+  canvas.getContext("2d").putImageData(image, 0, 0);
+  return canvas;
 }
 
 /** How bright each spoke is. */
@@ -220,7 +226,7 @@ export function draw(model) {
   const zero = headUp ? heading : 0;
   const radiusM = farM() / zoom;
   drawn = { x0, y0, radius, radiusM, zero };
-  const side = Math.min(1000, 2 * Math.round(radius * (ctx.getTransform().a)));
+  const side = Math.min(900, 2 * Math.round(radius * (ctx.getTransform().a)));
   ctx.save();
   ctx.translate(x0, y0);
   ctx.rotate(-rad(zero));
