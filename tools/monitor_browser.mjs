@@ -66,7 +66,7 @@ async function opened(browser, address, options = {}) {
   return page;
 }
 
-const value = (page, expression) => page.evaluate(`(() => { const { model, peak, truthAt } = window.nereus; return ${expression}; })()`);
+const value = (page, expression) => page.evaluate(`(() => { const { model, peak, truthAt, strongest, places } = window.nereus; return ${expression}; })()`);
 
 /** Waits until an expression of the model is true; asked from here, since the page's policy forbids to evaluate text. */
 async function until(page, expression) {
@@ -245,6 +245,40 @@ const tests = {
     assert.ok(Math.abs(offHz) < 3 * binHz, `${offHz} Hz beside the target, rows of ${binHz} Hz`);
     await shown.end();
     shown.clean();
+  },
+
+  /** The panel of a scanning antenna: its strongest cell is the boat, which has its name there; without a scan there is none. */
+  async ppi(browser) {
+    const shown = await run("station", "--duration-s", "120", "--set", 'sink=[{kind="null"}]', "--set", "target.1.rcs_m2=1e4");
+    const page = await opened(browser, shown.address);
+    await until(page, "strongest() && strongest().dbw > -80");
+    const [best, boat] = await value(page, `[strongest(), places().find((mark) => mark.name === "boat")]`);
+    assert.ok(Math.abs(best.rangeM - boat.rangeM) < 12 + 20, `${best.rangeM} m, the boat at ${boat.rangeM} m`);
+    assert.ok(Math.abs(best.bearingDeg - boat.bearingDeg) < 0.7, `${best.bearingDeg} degrees, the boat at ${boat.bearingDeg}`);
+    assert.equal(await value(page, "places().length"), 4);
+    assert.ok(await drawn(page, "c-ppi") > 0.2, "c-ppi is empty");
+    await page.keyboard.press("h");
+    assert.equal(await page.inputValue("#ppi-up"), "head");
+    await page.keyboard.press("7");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "p-ppi");
+    const [file] = await Promise.all([page.waitForEvent("download"), page.click(".save[data-panel=ppi] button:last-child")]);
+    assert.ok(readFileSync(await file.path()).toString().startsWith("azimuth_deg,heading_deg,pulse"));
+    for (const [width, height] of [[1280, 800], [1440, 900], [1920, 1080], [600, 900]]) {
+      await page.setViewportSize({ width, height });
+      await page.waitForTimeout(300);
+      const [wide, high] = await page.evaluate(() => [document.documentElement.scrollWidth - window.innerWidth, document.getElementById("c-ppi").clientHeight]);
+      assert.ok(wide <= 1 && high > 300 && high < 1000, `${width} x ${height}: ${wide}, ${high}`);
+    }
+    assert.deepEqual(page.faults, []);
+    await shown.end();
+    shown.clean();
+    const still = await run("errors", "--duration-s", "300", "--set", 'sink=[{kind="null"}]');
+    const other = await opened(browser, still.address);
+    await until(other, "model.lines.length > 3");
+    assert.equal(await other.isVisible("#p-ppi"), false);
+    assert.deepEqual(other.faults, []);
+    await still.end();
+    still.clean();
   },
 
   /** A recording through the same page. */

@@ -34,6 +34,7 @@ from .errors import (
     WorkerError,
 )
 from .image import Image, focus
+from .radials import ppi
 from .scenario import Report, Scenario
 from .tools import Sea, bench, receive, sea, table
 
@@ -68,6 +69,7 @@ __all__ = [
     "focus",
     "open",
     "pattern",
+    "ppi",
     "receive",
     "sea",
     "spectrum",

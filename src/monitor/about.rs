@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::footprint::Outline;
+use super::ppi::Ppi;
 use crate::pulse::PlatformRecord;
 use crate::radar::antenna::Antenna;
 use crate::recording::header::Header;
@@ -134,8 +135,14 @@ impl Scenery {
     }
 }
 
-/// What the page gets first.
-pub fn about(header: &Header, scenery: &Scenery, columns: Option<usize>, control: bool) -> Value {
+/// What the page gets first. Without `ppi` it has no plan position panel.
+pub fn about(
+    header: &Header,
+    scenery: &Scenery,
+    columns: Option<usize>,
+    ppi: Option<&Ppi>,
+    control: bool,
+) -> Value {
     let pair = |channel: &crate::recording::header::ChannelRow| {
         let same = |pair: &crate::recording::header::PairRow| {
             pair.transmitter == channel.transmitter && pair.receiver == channel.receiver
@@ -164,6 +171,14 @@ pub fn about(header: &Header, scenery: &Scenery, columns: Option<usize>, control
         "wavelength_m": SPEED_OF_LIGHT_MPS / header.carrier_hz,
         "window_s": header.layout.samples as f64 / header.sample_rate_hz,
         "columns": columns,
+        "ppi": ppi.map(|ppi| json!({
+            "channel": ppi.radials().name(),
+            "antenna": ppi.radials().antenna(),
+            "spokes": ppi.spokes(),
+            "beam_deg": ppi.beam_deg(),
+            "period_s": ppi.period_s(),
+            "clockwise": ppi.radials().rate_deg_per_s() >= 0.0,
+        })),
         "channels": header.channels.iter().map(|channel| json!({ "name": channel.name, "pair": pair(channel) })).collect::<Vec<_>>(),
         "platforms": header.platforms,
         "antennas": antennas.collect::<Vec<_>>(),

@@ -1,7 +1,7 @@
 //! The page, its script and its style, embedded in the program. Nothing else is ever served.
 
 /// Parts of the page: name, type, content.
-const PARTS: [(&str, &str, &str); 18] = [
+const PARTS: [(&str, &str, &str); 19] = [
     ("", HTML, include_str!("page/index.html")),
     ("style.css", "text/css; charset=utf-8", include_str!("page/style.css")),
     ("panels.css", "text/css; charset=utf-8", include_str!("page/panels.css")),
@@ -15,6 +15,7 @@ const PARTS: [(&str, &str, &str); 18] = [
     ("health.js", SCRIPT, include_str!("page/health.js")),
     ("ranges.js", SCRIPT, include_str!("page/ranges.js")),
     ("doppler.js", SCRIPT, include_str!("page/doppler.js")),
+    ("ppi.js", SCRIPT, include_str!("page/ppi.js")),
     ("plan.js", SCRIPT, include_str!("page/plan.js")),
     ("errors.js", SCRIPT, include_str!("page/errors.js")),
     ("control.js", SCRIPT, include_str!("page/control.js")),

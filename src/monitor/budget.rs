@@ -3,8 +3,9 @@
 //! Generation uses every core, so what the monitor computes is taken from it. Work is begun only while its
 //! time so far stays below a share of the time of all cores; a machine that is too slow for it shows fewer
 //! rows. What counts is the processor's time: a thread of the lowest priority waits for long on a busy
-//! machine, and that costs nobody anything. Range lines and range-Doppler maps have a half each: a map costs
-//! as much as a hundred lines, and neither may starve the other.
+//! machine, and that costs nobody anything. Range lines and range-Doppler maps have a half each, or a quarter
+//! where the radials of a scanning antenna have the other half: a map costs as much as a hundred lines, and
+//! none may starve another.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -33,10 +34,10 @@ fn spent(begun: Instant) -> Duration {
 }
 
 impl Budget {
-    /// Half of the share of this machine.
-    pub fn of_this_machine() -> Self {
+    /// A part of the share of this machine.
+    pub fn of_this_machine(part: f64) -> Self {
         let cores = thread::available_parallelism().map_or(1, usize::from);
-        Self::of(0.5 * SHARE * cores as f64, SAVED.as_secs_f64())
+        Self::of(part * SHARE * cores as f64, SAVED.as_secs_f64())
     }
 
     /// Seconds earned in a second, and those that may be spent at once.

@@ -27,6 +27,8 @@ const STATUS_TICKS: u64 = 5;
 const PLAN_TICKS: u64 = 2;
 /// Most range lines in an update.
 const ROWS: usize = 64;
+/// Most radials in an update: more than come in a tick of the fastest antenna that there is time for.
+const RADIALS: usize = 512;
 /// How long a browser may take nothing.
 const UNREAD: Duration = Duration::from_secs(5);
 /// Messages of a browser: at once, and in a second.
@@ -41,6 +43,8 @@ struct Asked {
     channel: Option<usize>,
     /// Whether its range-Doppler map is shown.
     doppler: Option<bool>,
+    /// Whether its plan position panel is shown.
+    ppi: Option<bool>,
     /// A change of a report, as in docs/control.md.
     change: Option<String>,
 }
@@ -52,6 +56,8 @@ struct Place {
     row: u64,
     doppler: bool,
     map: u64,
+    ppi: bool,
+    radial: u64,
     epoch: Option<u32>,
     points: usize,
     pulse: Option<u64>,
@@ -123,6 +129,7 @@ pub async fn serve(mut socket: WebSocket, hub: Arc<Hub>, meter: Meter, _permit: 
                             }
                         }
                         place.subscribe(asked.channel, asked.doppler);
+                        place.ppi = asked.ppi.unwrap_or(place.ppi);
                     }
                     Message::Close(_) => return,
                     Message::Ping(_) | Message::Pong(_) => {}
@@ -193,11 +200,17 @@ impl Place {
         if self.doppler {
             hub.watch_doppler(self.channel);
         }
+        if self.ppi {
+            hub.watch_ppi();
+        }
         let state = hub.state();
         if ended || self.ticks.is_multiple_of(PLAN_TICKS) {
             self.plan(&state, &mut messages);
         }
         messages.extend(self.rows(&state, hub));
+        if self.ppi {
+            messages.extend(self.radials(&state, hub));
+        }
         if let Some(map) = state
             .map
             .as_ref()
@@ -234,11 +247,7 @@ impl Place {
     /// Range lines that the browser has not seen.
     fn rows(&mut self, state: &State, hub: &Hub) -> Option<Message> {
         let rows = state.rows.get(self.channel)?;
-        let oldest = rows.front()?.number;
-        if self.row > 0 && oldest > self.row + 1 {
-            hub.left_out.fetch_add(oldest - self.row - 1, Ordering::Relaxed);
-        }
-        let from = usize::try_from((self.row + 1).saturating_sub(oldest)).unwrap_or(usize::MAX);
+        let from = unseen(self.row, rows.front()?.number, hub);
         let new: Vec<_> = rows.iter().skip(from).take(ROWS).collect();
         let columns = new.first()?.levels.len();
         self.row = new.last()?.number;
@@ -251,6 +260,40 @@ impl Place {
         }
         Some(Message::binary(bytes))
     }
+
+    /// Radials that the browser has not seen.
+    fn radials(&mut self, state: &State, hub: &Hub) -> Option<Message> {
+        let radials = &state.radials;
+        let from = unseen(self.radial, radials.front()?.number, hub);
+        let new: Vec<_> = radials.iter().skip(from).take(RADIALS).collect();
+        let columns = new.iter().map(|radial| radial.codes.len()).max()?;
+        self.radial = new.last()?.number;
+        let mut bytes = head(3, 0, columns, new.len(), hub.ppi_cell_s);
+        for radial in new {
+            for value in [
+                radial.pulse as f64,
+                radial.time_s,
+                radial.start_s,
+                radial.azimuth_deg,
+                radial.heading_deg,
+                radial.peak_dbw,
+            ] {
+                bytes.extend(value.to_le_bytes());
+            }
+            let missing = columns - radial.codes.len();
+            bytes.extend(radial.codes.iter().copied().chain(std::iter::repeat_n(0, missing)));
+        }
+        Some(Message::binary(bytes))
+    }
+}
+
+/// Place of the first entry after the last one seen in a buffer that begins with the oldest; those that have
+/// gone from it are counted.
+fn unseen(seen: u64, oldest: u64, hub: &Hub) -> usize {
+    if seen > 0 && oldest > seen + 1 {
+        hub.left_out.fetch_add(oldest - seen - 1, Ordering::Relaxed);
+    }
+    usize::try_from((seen + 1).saturating_sub(oldest)).unwrap_or(usize::MAX)
 }
 
 /// Begin of a binary message: kind, channel, columns, rows, delay from a column to the next.

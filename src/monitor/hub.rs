@@ -13,6 +13,7 @@ use super::about::{Scenery, about};
 use super::doppler::Map;
 use super::footprint::Footprint;
 use super::history::History;
+use super::ppi::{Ppi, Radial};
 use super::ranges::{Ranges, Row};
 use crate::pipeline::control::Control;
 use crate::pulse::PlatformRecord;
@@ -24,6 +25,8 @@ use crate::transport::health::Counters;
 const ROWS_BYTES: usize = 16 << 20;
 /// Most range lines of a channel.
 const MOST_ROWS: usize = 400;
+/// Most radials: those of a turn.
+const MOST_RADIALS: usize = 2048;
 
 /// What is shown of a run.
 pub struct Hub {
@@ -44,6 +47,10 @@ pub struct Hub {
     ended: AtomicBool,
     /// Channels whose range-Doppler maps somebody looks at.
     doppler: Vec<AtomicBool>,
+    /// Whether somebody looks at the plan position panel.
+    ppi: AtomicBool,
+    /// Length of the cells of its radials, there and back, s.
+    pub ppi_cell_s: f64,
     /// Browsers connected.
     pub browsers: AtomicUsize,
     /// Rows that browsers did not take in time.
@@ -59,6 +66,8 @@ pub struct State {
     most_rows: usize,
     /// Delay from a column to the next, s.
     pub column_s: f64,
+    /// Radials of the plan position panel, the oldest first.
+    pub radials: VecDeque<Radial>,
     /// The latest range-Doppler map.
     pub map: Option<Map>,
     /// The latest pulse.
@@ -130,9 +139,10 @@ impl Hub {
     pub fn new(header: &Header, scenery: &Scenery, control: Option<Control>) -> Self {
         let ranges = Ranges::new(header);
         let columns = ranges.as_ref().map(Ranges::columns);
+        let ppi = Ppi::new(header);
         let row_bytes = 2 * columns.unwrap_or(1) * header.layout.channels.max(1);
         Self {
-            about: about(header, scenery, columns, control.is_some()).to_string(),
+            about: about(header, scenery, columns, ppi.as_ref(), control.is_some()).to_string(),
             platforms: header.platforms.clone(),
             classes_db: header.error_classes_db().to_vec(),
             prf_hz: header.prf_hz,
@@ -142,6 +152,7 @@ impl Hub {
                 rows: vec![VecDeque::new(); header.layout.channels],
                 most_rows: (ROWS_BYTES / row_bytes).clamp(16, MOST_ROWS),
                 column_s: ranges.as_ref().map_or(0.0, Ranges::column_s),
+                radials: VecDeque::new(),
                 map: None,
                 now: None,
                 history: History::new(header.platforms.len()),
@@ -158,6 +169,8 @@ impl Hub {
             begun: Instant::now(),
             ended: AtomicBool::new(false),
             doppler: header.channels.iter().map(|_| AtomicBool::new(false)).collect(),
+            ppi: AtomicBool::new(false),
+            ppi_cell_s: ppi.as_ref().map_or(0.0, Ppi::cell_s),
             browsers: AtomicUsize::new(0),
             left_out: AtomicU64::new(0),
             turned_away: AtomicU64::new(0),
@@ -186,6 +199,16 @@ impl Hub {
         self.doppler.get(channel).is_some_and(|wanted| wanted.swap(false, Ordering::Relaxed))
     }
 
+    /// Somebody looks at the plan position panel.
+    pub fn watch_ppi(&self) {
+        self.ppi.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether somebody has looked at it since the last call.
+    pub fn is_ppi_wanted(&self) -> bool {
+        self.ppi.swap(false, Ordering::Relaxed)
+    }
+
     /// Nothing more will come.
     pub fn end(&self) {
         self.ended.store(true, Ordering::Release);
@@ -211,6 +234,15 @@ impl State {
             rows.pop_front();
         }
         rows.push_back(row);
+    }
+
+    /// Appends a radial; the oldest one goes.
+    pub fn push_radial(&mut self, mut radial: Radial) {
+        radial.number = self.radials.back().map_or(1, |last| last.number + 1);
+        while self.radials.len() >= MOST_RADIALS {
+            self.radials.pop_front();
+        }
+        self.radials.push_back(radial);
     }
 
     /// Takes new counters, and notes what has been lost since the last ones.

@@ -28,6 +28,7 @@ mod hub;
 mod meter;
 mod metrics;
 mod misreport;
+mod ppi;
 mod ranges;
 pub mod replay;
 mod server;

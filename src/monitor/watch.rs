@@ -12,6 +12,7 @@ use super::doppler::{self, Burst};
 use super::footprint::Footprint;
 use super::history;
 use super::hub::{Hub, Now};
+use super::ppi::Ppi;
 use super::ranges::{Ranges, Row};
 use crate::pulse::Pulse;
 use crate::recording::header::Header;
@@ -29,8 +30,8 @@ const PAUSE: Duration = Duration::from_millis(20);
 const ROW_EVERY: Duration = Duration::from_millis(50);
 /// Shortest time between two range-Doppler maps.
 const MAP_EVERY: Duration = Duration::from_millis(500);
-/// How long a map goes on being made after a browser has asked for it.
-const MAP_WANTED: Duration = Duration::from_secs(3);
+/// How long maps and radials go on being made after a browser has asked for them.
+const WANTED: Duration = Duration::from_secs(3);
 /// Shortest time between two looks at the counters.
 const COUNT_EVERY: Duration = Duration::from_millis(200);
 /// Time over which the speed of generation is taken, s.
@@ -45,6 +46,10 @@ pub struct Watcher {
     ranges: Option<Ranges>,
     line_budget: Budget,
     map_budget: Budget,
+    ppi: Option<Ppi>,
+    ppi_budget: Budget,
+    /// When somebody last looked at the plan position panel.
+    ppi_wanted: Option<Instant>,
     start: TimeTag,
     /// Code of the polarisation that a channel is radiated in; `None`: in every pulse.
     radiated: Vec<Option<u8>>,
@@ -114,12 +119,18 @@ impl Watcher {
         let radiated = |letters: &str| {
             letters.chars().nth(1).and_then(Polarisation::from_letter).map(Polarisation::code)
         };
+        let ppi = Ppi::new(header);
+        // Lines and maps share what radials leave.
+        let part = if ppi.is_some() { 0.25 } else { 0.5 };
         Self {
             hub: Arc::clone(hub),
             scenery: scenery.clone(),
             ranges: Ranges::new(header),
-            line_budget: Budget::of_this_machine(),
-            map_budget: Budget::of_this_machine(),
+            line_budget: Budget::of_this_machine(part),
+            map_budget: Budget::of_this_machine(part),
+            ppi,
+            ppi_budget: Budget::of_this_machine(0.5),
+            ppi_wanted: None,
             start: header.start,
             radiated: header.channels.iter().map(|channel| radiated(&channel.polarisations)).collect(),
             lines: vec![None; header.channels.len()],
@@ -143,6 +154,7 @@ impl Watcher {
         let time_s = pulse.time.since(self.start);
         self.range_lines(pulse, time_s);
         self.range_doppler(pulse, time_s);
+        self.radials(pulse, time_s);
         if self.hub.state().history.wants(time_s) {
             let point = history::Instant::of(pulse, time_s);
             self.hub.state().history.push(point);
@@ -193,7 +205,7 @@ impl Watcher {
         for channel in 0..self.wanted.len() {
             if self.hub.is_doppler_wanted(channel) {
                 self.wanted[channel] = Some(Instant::now());
-            } else if self.wanted[channel].is_some_and(|at| at.elapsed() > MAP_WANTED) {
+            } else if self.wanted[channel].is_some_and(|at| at.elapsed() > WANTED) {
                 self.wanted[channel] = None;
             }
         }
@@ -215,6 +227,22 @@ impl Watcher {
         self.mapped = Some(Instant::now());
         self.hub.state().map = Some(map);
         self.next_map();
+    }
+
+    fn radials(&mut self, pulse: &Pulse, time_s: f64) {
+        let Some(ppi) = &mut self.ppi else { return };
+        if self.hub.is_ppi_wanted() {
+            self.ppi_wanted = Some(Instant::now());
+        } else if self.ppi_wanted.is_some_and(|at| at.elapsed() > WANTED) {
+            self.ppi_wanted = None;
+            ppi.forget();
+        }
+        if self.ppi_wanted.is_none() {
+            return;
+        }
+        if let Some(radial) = ppi.take(pulse, time_s, &mut self.ppi_budget) {
+            self.hub.state().push_radial(radial);
+        }
     }
 
     /// Goes on to the next channel that somebody looks at; `false` if there is none. Several browsers at

@@ -1,23 +1,14 @@
 //! Video of a channel, for sinks that send it: azimuths and powers of radials.
 //!
-//! The azimuth is the reported one, as on a plan position picture ([`crate::processor::ppi`]): what the
-//! encoder reads, plus the heading that the platform reports where it counts from the nose. A radial reaches
-//! from half the mean step between pulses before its first pulse to as much behind its last; of a sector that
-//! step is that within a sweep.
+//! Azimuth and powers of a pulse are those of [`Radials`]. A radial reaches from half the mean step between
+//! pulses before its first pulse to as much behind its last; of a sector that step is that within a sweep.
 //!
 //! A radial holds so many pulses, counted from pulse 0 among those that left in the polarisation of the
 //! channel; the mean of their powers.
 
-use glam::DQuat;
-use num_complex::Complex32;
-
-use crate::frames::Rotation;
-use crate::processor::ppi::{PpiError, Sight};
-use crate::processor::range_compress::PulseShape;
-use crate::processor::video::Detector;
-use crate::pulse::{Pulse, Samples};
+use crate::processor::radials::Radials;
+use crate::pulse::Pulse;
 use crate::recording::header::Header;
-use crate::scene::radar::Polarisation;
 use crate::sinks::asterix::{CellTime, CellValue, Detection, Radial, Settings, Video};
 use crate::sinks::sink::SinkError;
 use crate::units::{BOLTZMANN_J_PER_K, Decibels, NOISE_TEMPERATURE_K, SPEED_OF_LIGHT_MPS};
@@ -46,39 +37,17 @@ pub(super) fn full_dbw(settings: &Settings, noise_figure_db: Option<f64>, pulse_
 /// # Errors
 /// A channel that there is not, or one that does not scan; pulses that are not compressed.
 pub(super) fn video(settings: &Settings, header: &Header) -> Result<Box<dyn Video>, SinkError> {
-    let refused = |error: PpiError| SinkError::Video { found: error.to_string() };
-    let (channel, sight) = Sight::of(header, settings.channel.as_deref()).map_err(refused)?;
-    let row = &header.channels[channel];
     let cell_s = settings.cell_m.map_or(header.sample_rate_hz.recip(), |m| 2.0 * m / SPEED_OF_LIGHT_MPS);
     let cell_time = CellTime::nearest(cell_s);
-    let shape = PulseShape {
-        replica: &header.replica,
-        sample_rate_hz: header.sample_rate_hz,
-        bandwidth_hz: header.bandwidth_hz,
-        pulse_s: header.pulse_s,
-    };
     let mean = settings.cell == CellValue::Mean;
-    let detector = Detector::new(shape, header.layout.samples, cell_time.seconds(), mean)
-        .map_err(|error| refused(error.into()))?;
-    let receiver = header.receiver_of(channel).unwrap_or(0);
-    let cells = detector.cells();
+    let radials = Radials::of(header, settings.channel.as_deref(), cell_time.seconds(), mean)
+        .map_err(|error| SinkError::Video { found: error.to_string() })?;
+    let cells = radials.cells();
     Ok(Box::new(RadarVideo {
-        name: row.name.clone(),
-        channel,
-        receiver,
-        antenna: header.transmitters.len() + receiver,
-        platform: header
-            .platforms
-            .iter()
-            .position(|name| *name == sight.platform)
-            .filter(|_| !sight.is_level),
-        half_step_deg: 0.5 * sight.rate_deg_per_s.abs() / header.prf_hz,
-        polarisation: row.polarisations.chars().nth(1).and_then(Polarisation::from_letter),
-        step: header.adc.map_or(1.0, |adc| adc.step as f32),
-        samples: header.layout.samples,
+        half_step_deg: 0.5 * radials.rate_deg_per_s().abs() / header.prf_hz,
         radial_pulses: settings.radial_pulses.max(1),
         cell_time,
-        detector,
+        radials,
         powers_w: Vec::with_capacity(cells),
         last: None,
         stride: u64::MAX,
@@ -90,22 +59,10 @@ pub(super) fn video(settings: &Settings, header: &Header) -> Result<Box<dyn Vide
 
 /// Makes radials of the pulses of a channel.
 struct RadarVideo {
-    name: String,
-    channel: usize,
-    receiver: usize,
-    /// Place of its antenna among all.
-    antenna: usize,
-    /// The platform whose heading is added to readings.
-    platform: Option<usize>,
     half_step_deg: f64,
-    /// Transmit polarisation of the channel.
-    polarisation: Option<Polarisation>,
-    /// Of codes, sqrt(W).
-    step: f32,
-    samples: usize,
     radial_pulses: u64,
     cell_time: CellTime,
-    detector: Detector,
+    radials: Radials,
     /// Of the pulse at hand.
     powers_w: Vec<f32>,
     /// Index of the last pulse in the polarisation of the channel, and its number among these.
@@ -146,35 +103,6 @@ impl RadarVideo {
         number
     }
 
-    /// Reported azimuth of a pulse, degrees; `None` where no encoder was read.
-    fn azimuth_deg(&self, pulse: &Pulse) -> Option<f64> {
-        let [azimuth_deg, _] = pulse.antennas.get(self.antenna)?.encoder_deg?;
-        let Some(record) = self.platform.and_then(|platform| pulse.nav_reported.get(platform)) else {
-            return Some(azimuth_deg);
-        };
-        let [w, x, y, z] = record.attitude_quat;
-        let heading_rad = Rotation::from_raw(DQuat::from_xyzw(x, y, z, w)).to_yaw_pitch_roll()[0];
-        Some(azimuth_deg + heading_rad.to_degrees())
-    }
-
-    /// Leaves the powers of a pulse in `powers_w`; the number of the first cell.
-    fn detect(&mut self, pulse: &Pulse) -> u32 {
-        let start_s = pulse.window_start_of(self.receiver);
-        let range = self.channel * self.samples..(self.channel + 1) * self.samples;
-        let Self { detector, powers_w, step, .. } = self;
-        match &pulse.samples {
-            Samples::Cf32(all) => {
-                let window = all.get(range).unwrap_or_default();
-                detector.detect(window.iter().copied(), start_s, powers_w)
-            }
-            Samples::Ci16(codes) => {
-                let volts = |code: i16| (f32::from(code) + 0.5) * *step;
-                let window = codes.get(range).unwrap_or_default().iter();
-                detector.detect(window.map(|[i, q]| Complex32::new(volts(*i), volts(*q))), start_s, powers_w)
-            }
-        }
-    }
-
     /// Adds the powers at hand to the radial.
     fn add(&mut self, first: u32) {
         let radial = &mut self.radial;
@@ -195,7 +123,7 @@ impl RadarVideo {
 
 impl Video for RadarVideo {
     fn channel(&self) -> &str {
-        &self.name
+        self.radials.name()
     }
 
     fn cell_time(&self) -> CellTime {
@@ -203,20 +131,20 @@ impl Video for RadarVideo {
     }
 
     fn cells(&self) -> usize {
-        self.detector.cells()
+        self.radials.cells()
     }
 
     fn take(&mut self, pulse: &Pulse, done: &mut dyn FnMut(&Radial)) {
-        if pulse.tx_pol != 0 && self.polarisation.is_some_and(|port| port.code() != pulse.tx_pol) {
+        if !self.radials.is_illuminated(pulse) {
             return;
         }
-        let Some(azimuth_deg) = self.azimuth_deg(pulse) else { return };
+        let Some(azimuth_deg) = self.radials.azimuth_deg(pulse) else { return };
         let number = self.number_of(pulse);
         let (radial, place) = (number / self.radial_pulses, number % self.radial_pulses);
         if self.begun.is_some_and(|begun| begun.number != radial) {
             self.finish(done);
         }
-        let first = self.detect(pulse);
+        let first = self.radials.detect(pulse, &mut self.powers_w);
         let begun = match self.begun {
             Some(Begun { pulses, azimuths_deg: [from, _], .. }) => {
                 Begun { number: radial, pulses: pulses + 1, azimuths_deg: [from, azimuth_deg] }

@@ -10,6 +10,7 @@
 //! | [`degradation`] | what navigation errors do to a point: predicted from the paths, closed forms |
 //! | [`ppi`] | plan position picture of a scanning antenna: power over range and reported bearing |
 //! | [`video`] | a pulse to powers of range cells, as fast as pulses come |
+//! | [`radials`] | reported azimuth and powers of each pulse of a scanning antenna, as fast as pulses come |
 //! | [`multilook`] | means of power, percentiles |
 
 pub mod taper;
@@ -22,5 +23,6 @@ pub mod degradation;
 pub mod focus;
 pub mod ppi;
 pub mod video;
+pub mod radials;
 pub(crate) mod comparison;
 pub(crate) mod two_way_gain;

@@ -39,6 +39,8 @@ mod mocomp;
 mod monitor;
 #[cfg(all(unix, feature = "monitor"))]
 mod monitor_client;
+#[cfg(all(unix, feature = "monitor"))]
+mod monitor_ppi;
 mod nav;
 mod navigation_cases;
 mod polarisation_check;

@@ -82,8 +82,13 @@ pub fn served(folder: tempfile::TempDir, mut child: Child) -> Shown {
 
 /// The run of the scenario, and its page.
 pub fn shown(more: &[&str]) -> Shown {
+    shown_of(SCENARIO, more)
+}
+
+/// The run of any scenario, and its page.
+pub fn shown_of(scenario: &str, more: &[&str]) -> Shown {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("page.toml"), SCENARIO).unwrap();
+    fs::write(folder.path().join("page.toml"), scenario).unwrap();
     let run = ["run", "page.toml", "--json", "--monitor", "127.0.0.1:0"];
     let child = started(folder.path(), &[&run[..], more].concat());
     served(folder, child)
@@ -154,6 +159,7 @@ pub enum Message {
     Json(serde_json::Value),
     Lines(Vec<Line>),
     Map { rows: usize, span_hz: f64 },
+    Radials(Vec<Radial>),
     Closed(u16),
 }
 
@@ -164,6 +170,19 @@ pub struct Line {
     pub start_s: f64,
     pub step_s: f64,
     pub levels_dbw: Vec<f64>,
+}
+
+/// A radial: its pulse and time, azimuth and heading, first delay and step, levels in dBW (`None`: 127 dB
+/// below the peak, or less).
+#[derive(Clone, Debug)]
+pub struct Radial {
+    pub pulse: u64,
+    pub time_s: f64,
+    pub azimuth_deg: f64,
+    pub heading_deg: f64,
+    pub start_s: f64,
+    pub step_s: f64,
+    pub levels_dbw: Vec<Option<f64>>,
 }
 
 /// A browser that looks on.
@@ -293,6 +312,24 @@ fn binary(bytes: &[u8]) -> Message {
     if bytes[0] == 2 {
         assert_eq!(bytes.len(), 48 + 2 * rows * columns);
         return Message::Map { rows, span_hz: real(40) };
+    }
+    if bytes[0] == 3 {
+        let size = 48 + columns;
+        assert_eq!(bytes.len(), 16 + rows * size);
+        let radial = |row: usize| {
+            let at = 16 + row * size;
+            let level = |code: u8| (code > 0).then(|| real(at + 40) - 0.5 * f64::from(255 - code));
+            Radial {
+                pulse: real(at) as u64,
+                time_s: real(at + 8),
+                start_s: real(at + 16),
+                azimuth_deg: real(at + 24),
+                heading_deg: real(at + 32),
+                step_s,
+                levels_dbw: bytes[at + 48..at + size].iter().map(|code| level(*code)).collect(),
+            }
+        };
+        return Message::Radials((0..rows).map(radial).collect());
     }
     let size = 24 + 2 * columns;
     assert_eq!((bytes[0], bytes.len()), (1, 16 + rows * size));

@@ -1,9 +1,9 @@
-// Binary messages of the monitor, little-endian: range lines and range-Doppler maps.
+// Binary messages of the monitor, little-endian: range lines, range-Doppler maps and radials.
 // Head: kind u8, 0, channel u16, columns u16, rows u16, delay from a column to the next f64 (s).
 
 const HEAD = 16;
 
-/** A message as an object; levels are hundredths of a dBW. */
+/** A message as an object; levels are hundredths of a dBW, codes steps of 0.5 dB, of which 255 is the peak of the radial. */
 export function decode(buffer) {
   const view = new DataView(buffer);
   const kind = view.getUint8(0);
@@ -18,6 +18,14 @@ export function decode(buffer) {
       return { pulse: real(at), timeS: real(at + 8), startS: real(at + 16), levels: levels(at + 24, columns) };
     });
     return { kind: "lines", channel, columns, columnS, lines };
+  }
+  if (kind === 3) {
+    const radials = Array.from({ length: rows }, (_, row) => {
+      const at = HEAD + row * (48 + columns);
+      const [pulse, timeS, startS, azimuthDeg, headingDeg, peakDbw] = [0, 8, 16, 24, 32, 40].map((by) => real(at + by));
+      return { pulse, timeS, startS, azimuthDeg, headingDeg, peakDbw, codes: new Uint8Array(buffer.slice(at + 48, at + 48 + columns)) };
+    });
+    return { kind: "radials", columns, cellS: columnS, radials };
   }
   return {
     kind: "map", channel, columns, rows, columnS,

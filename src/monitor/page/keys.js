@@ -1,6 +1,6 @@
 // The page by keyboard.
 
-const PANELS = ["health", "ranges", "plan", "control", "doppler", "errors"];
+const PANELS = ["health", "ranges", "plan", "control", "doppler", "errors", "ppi"];
 
 /** `acts` has what a key does: [key, words, action]. */
 export function init(acts) {
@@ -13,10 +13,10 @@ export function init(acts) {
   };
   const focused = () => document.activeElement?.closest("section") ?? document.getElementById("p-ranges");
   const all = [
-    ["1 … 6", "go to a panel", null],
+    ["1 … 7", "go to a panel (7: plan position, of a scanning antenna)", null],
     ["f", "this panel alone, and back", () => big(focused())],
     ...acts,
-    ["arrows + −", "move and scale the plan, while it has the focus", null],
+    ["arrows + −", "move and scale the plan, while it has the focus; scale the plan position", null],
     ["?", "these keys", () => dialog.showModal()],
     ["Esc", "back", null],
   ];
@@ -40,6 +40,7 @@ export function init(acts) {
     const number = Number(event.key);
     if (number >= 1 && number <= PANELS.length) {
       const section = document.getElementById(`p-${PANELS[number - 1]}`);
+      if (section.hidden) return;
       section.focus();
       section.scrollIntoView({ block: "nearest" });
       return;

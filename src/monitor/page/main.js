@@ -7,6 +7,7 @@ import * as health from "./health.js";
 import * as ranges from "./ranges.js";
 import * as doppler from "./doppler.js";
 import * as plan from "./plan.js";
+import * as ppi from "./ppi.js";
 import * as errors from "./errors.js";
 import * as control from "./control.js";
 import * as save from "./save.js";
@@ -16,7 +17,7 @@ const id = (name) => document.getElementById(name);
 const MOST_DELAYS = 600;
 const FRAME_MS = 100;
 
-const panels = { health, ranges, plan, control, doppler, errors };
+const panels = { health, ranges, plan, control, doppler, errors, ppi };
 const model = {
   about: null, status: null, now: null, map: null, epoch: null,
   history: [], changes: [], lines: [], delays: [], errors: [],
@@ -27,6 +28,8 @@ let paused = false;
 let dirty = true;
 let held = [];
 let past = [];
+/** Radials that came while the display was held: those of a turn. */
+let missedRadials = null;
 let link = "connecting";
 
 const takers = {
@@ -40,6 +43,7 @@ const takers = {
     // Who moves is looked at first: usually the receiver.
     model.errorPlatform = Math.max(0, message.platforms.length - 1);
     fill(id("e-platform"), message.platforms, model.errorPlatform);
+    connection.show({ ppi: ppi.about(model) });
     control.init(model, (change) => connection.send({ change }));
   },
   status(message) {
@@ -65,6 +69,7 @@ const takers = {
     model.errors = errors.distances(model);
   },
   lines: (message) => ranges.take(model, message),
+  radials: (message) => ppi.take(message),
   map: (message) => { model.map = message; },
   answer: (message) => control.answer(message.text),
 };
@@ -88,6 +93,11 @@ function hold(message) {
   if (message.kind === "history") {
     if (message.first === 0) past = [];
     past.push(message);
+    return;
+  }
+  if (message.kind === "radials") {
+    const all = [...(missedRadials?.radials ?? []), ...message.radials];
+    missedRadials = { ...message, radials: all.slice(-(model.about?.ppi?.spokes ?? 0)) };
     return;
   }
   held.push(message);
@@ -147,8 +157,8 @@ function pause() {
   id("pause").setAttribute("aria-pressed", paused);
   id("pause").textContent = paused ? "Go on" : "Pause";
   if (!paused) {
-    const missed = [...past, ...held];
-    [held, past] = [[], []];
+    const missed = [...past, ...held, ...(missedRadials ? [missedRadials] : [])];
+    [held, past, missedRadials] = [[], [], null];
     missed.forEach(take);
   }
   state();
@@ -187,14 +197,17 @@ id("doppler-on").onchange = () => {
 id("e-platform").onchange = () => { Object.assign(model, { errorPlatform: Number(id("e-platform").value), chosen: true }); dirty = true; };
 id("e-span").onchange = () => { model.errorSpan = Number(id("e-span").value); dirty = true; };
 plan.init(() => { dirty = true; });
+ppi.init(() => { dirty = true; });
 save.init(panels, model);
 keys.init([
   ["p", "hold the display, and go on", pause],
   ["t", "light or dark", turn],
   ["c", "next channel", () => model.about && show((model.channel + 1) % model.about.channels.length)],
+  ["h", "plan position: North or head up", ppi.turnOver],
   ["m", "targets on or off", () => { id("markers").checked = !model.markers; marks(); }],
 ]);
 new ResizeObserver(() => { dirty = true; }).observe(id("panels"));
 requestAnimationFrame(frame);
 // For tests of the page: what it shows, and how.
-window.nereus = { model, peak: (line) => ranges.peak(model, line), truthAt: (timeS) => ranges.truthAt(model, timeS) };
+window.nereus = { model, peak: (line) => ranges.peak(model, line), truthAt: (timeS) => ranges.truthAt(model, timeS),
+  strongest: ppi.strongest, places: () => ppi.places(model) };
