@@ -40,10 +40,11 @@ pub enum Room {
     /// Drops of rain: index = numbers of a box of space (21 bits each), part = slot of time * 256 + level of
     /// the box.
     RainDrop = 40,
-    /// Waves of the far sea: one stream.
+    /// Waves of the far sea: one stream; of a cell that has waves of its own: index = its number of
+    /// [`Room::FarCell`], part = 1.
     FarWave = 43,
-    /// Cells of the far sea: index = numbers of a square of the sea (32 bits each), part = slot of time
-    /// times 256, plus level of the square.
+    /// Cells of the far sea: index = numbers of a lot of the sea (32 bits each), part = slot of time times
+    /// 256, plus level of the lot.
     FarCell = 44,
     /// Samples of a continuous signal: the place in the stream is that of the sample.
     Waveform = 42,

@@ -127,6 +127,7 @@ use crate::paths::apart::Apart;
 use crate::paths::aspect::Aspect;
 use crate::paths::drops::RainPlan;
 use crate::paths::emission::{Circumstances, Emission, TrackFailure};
+pub(crate) use crate::paths::far::FAR_PULSES;
 use crate::paths::far::FarPlan;
 use crate::paths::hearing::Hearing;
 use crate::paths::heave::Heave;

@@ -411,7 +411,8 @@ impl PulseStream {
         let Slots { ring, held } = Slots::of(&self.settings, sinks);
         let slot_bytes = self.factory.layout.slot_bytes() as u64;
         let of = |slots: usize, bytes: u64| (slots as u64).saturating_mul(bytes);
-        let parts = [self.sea_bytes, self.ship_bytes, grids, of(ring, slot_bytes)];
+        let far = self.factory.far_bytes(self.threads());
+        let parts = [self.sea_bytes, self.ship_bytes, far, grids, of(ring, slot_bytes)];
         let all = parts.into_iter().fold(PROGRAM_BYTES, u64::saturating_add);
         let [kept_up, at_most] =
             [slot_bytes.min(UNUSED_SLOT_BYTES), slot_bytes].map(|each| all + of(held, each));

@@ -13,6 +13,7 @@
 //! | ships that echo by their mesh, shared | [`SHARED_PATH_BYTES`] a panel or double bounce |
 //! | the same of a worker | nodes and factors of a block, `path_bytes` each |
 //! | scatterers of breaking waves | the same, and those that are kept for all workers |
+//! | the far sea | cells that are kept for all workers, and lists of a stretch of each |
 //! | grids of a worker | pulses of a block x cells x 2 floats per channel |
 //! | ring | its pulses x bytes of a pulse |
 //! | queues | distinct pulses that sinks hold x bytes of a pulse; see [`Slots`] |

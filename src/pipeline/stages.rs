@@ -256,6 +256,18 @@ impl PulseFactory {
         kept.saturating_add((count as u64).saturating_mul(each.saturating_mul(threads as u64)))
     }
 
+    /// About what the far sea takes with so many workers, bytes: cells that are kept for all, and lists of those
+    /// of a stretch.
+    pub(crate) fn far_bytes(&self, threads: usize) -> u64 {
+        let generator = self.generator();
+        let cells = generator.far_cells().map_or(0.0, |(cells, _)| cells);
+        let sizes = [self.layout.pairs, self.echo_channels()];
+        let each = memory::path_bytes(sizes, self.echo.needs().lists, crate::paths::FAR_PULSES);
+        generator
+            .far_bytes()
+            .saturating_add((cells as u64).saturating_mul(each.saturating_mul(threads as u64)))
+    }
+
     /// What pulses one by one take more than those of a block, bytes.
     pub(crate) fn single_bytes(&self, threads: usize) -> u64 {
         let alone = self.echo.needs().pulse_bytes > 0 && self.block_pulses() == 1;

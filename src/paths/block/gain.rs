@@ -61,14 +61,7 @@ impl Shape {
     }
 
     /// Multiplies by the real field gain in unit directions in the frame of the antenna.
-    fn weigh(
-        self,
-        antenna: &Antenna,
-        variant: Variant,
-        count: usize,
-        direction: &[Row; 3],
-        out: &mut Row,
-    ) {
+    fn weigh(self, antenna: &Antenna, variant: Variant, count: usize, direction: &[Row; 3], out: &mut Row) {
         match self {
             Self::Constant(gain) => out.iter_mut().for_each(|g| *g *= gain),
             Self::Rectangle { peak, sides } => {

@@ -6,8 +6,6 @@
 
 use glam::{DVec2, DVec3};
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 
 use super::squares::{Found, Split, Square};
 use crate::cpu::Variant;
@@ -16,6 +14,7 @@ use crate::geometry::lanes::{LANES, Row};
 use crate::geometry::shadow::smith;
 use crate::paths::block::OnRays;
 use crate::paths::sea::SeaPlan;
+use crate::rng::{self, stream};
 use crate::scattering::bragg::Mechanism;
 use crate::scattering::lanes::Batch;
 use crate::scene::sea::Phases;
@@ -44,24 +43,20 @@ pub(super) struct AsSeen {
     pub matrices: Vec<Matrix>,
 }
 
-/// What a cell draws beside its place.
-#[derive(Clone, Copy, Debug, Default)]
+/// A cell, its place in space and the waves there.
+#[derive(Clone, Copy)]
 struct Drawn {
-    area_m2: f64,
+    found: Found,
     place: DVec3,
     waters: Waters,
-    /// Which mechanism and which line it stands for, of 0 to 1, and where in the line, in deviations.
-    mechanism: f64,
-    line: f64,
-    off: f64,
 }
 
 /// Room to find cells in.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(super) struct Room {
     batch: Box<Batch>,
     phasors: Vec<[Row; 2]>,
-    drawn: Box<[Drawn; LANES]>,
+    drawn: Vec<Drawn>,
 }
 
 impl Room {
@@ -71,9 +66,14 @@ impl Room {
         Self {
             batch: Batch::boxed(mechanisms),
             phasors: vec![[row; 2]; mechanisms],
-            drawn: Box::new([Drawn::default(); LANES]),
+            drawn: Vec::with_capacity(LANES),
         }
     }
+}
+
+/// Of a cell that so many pairs see, bytes.
+pub(super) fn cell_bytes(pairs: usize) -> usize {
+    size_of::<Point<Enu>>() + pairs * (size_of::<[f32; 3]>() + size_of::<Matrix>())
 }
 
 /// What cells of a slot are found by.
@@ -89,36 +89,26 @@ impl Maker<'_> {
     /// All cells of a lot.
     pub fn lot(&self, lot: Square, room: &mut Room) -> Cells {
         let mut cells = Cells::default();
-        let mut count = 0;
         self.split.cells(lot, &mut |found| {
-            self.add(found, &mut count, room, &mut cells);
+            self.add(found, room, &mut cells);
             true
         });
-        self.finish(count, room, &mut cells);
+        self.finish(room, &mut cells);
         cells
     }
 
-    /// Draws one more, and finds those drawn so far when there is no more room.
-    pub fn add(&self, found: Found, count: &mut usize, room: &mut Room, cells: &mut Cells) {
-        if *count == LANES {
-            self.finish(*count, room, cells);
-            *count = 0;
+    /// Takes one more, and finds those taken so far when there is no more room.
+    pub fn add(&self, found: Found, room: &mut Room, cells: &mut Cells) {
+        if room.drawn.len() == LANES {
+            self.finish(room, cells);
         }
-        self.draw(found, *count, room);
-        *count += 1;
-    }
-
-    fn draw(&self, found: Found, i: usize, room: &mut Room) {
-        let Found { mut rng, place_m: [x, y], area_m2 } = found;
-        for [re, im] in &mut room.phasors {
-            (im[i], re[i]) = sin_cos_of_turns(rng.random::<f32>() - 0.5);
+        let i = room.drawn.len();
+        for ([re, im], turns) in room.phasors.iter_mut().zip(found.turns) {
+            (im[i], re[i]) = sin_cos_of_turns(turns);
         }
-        let [mechanism, line] = [(); 2].map(|()| rng.random::<f64>());
-        let off = rng.sample(StandardNormal);
-        let waters = self.waters([x, y], &mut rng);
+        let [x, y] = found.place_m;
+        let waters = self.waters(&found);
         let earth = self.split.of.frame.earth();
-        let place = DVec3::new(x, y, waters.height_m - earth.drop_m(x, y));
-        room.drawn[i] = Drawn { area_m2, place, waters, mechanism, line, off };
         let fall = earth.drop_slope(x, y);
         for axis in 0..2 {
             room.batch.slope[axis][i] = (waters.slope[axis] - fall[axis]) as f32;
@@ -126,43 +116,47 @@ impl Maker<'_> {
         for (row, entry) in room.batch.strain.iter_mut().zip(waters.strain) {
             row[i] = entry as f32;
         }
+        let place = DVec3::new(x, y, waters.height_m - earth.drop_m(x, y));
+        room.drawn.push(Drawn { found, place, waters });
     }
 
-    fn waters(&self, place_m: [f64; 2], rng: &mut ChaCha8Rng) -> Waters {
+    fn waters(&self, found: &Found) -> Waters {
         let plan = self.split.plan;
         if plan.texture {
-            return plan.waves.at(place_m, self.middle_s, None);
+            return plan.waves.at(found.place_m, self.middle_s, None);
         }
+        let mut rng = stream(plan.seed, rng::Room::FarWave, found.waves, 1);
         let mut phases = [0.0; WAVES];
         phases.fill_with(|| rng.random());
-        plan.waves.at(place_m, self.middle_s, Some(&phases))
+        plan.waves.at(found.place_m, self.middle_s, Some(&phases))
     }
 
-    /// Finds what was drawn, by every pair.
-    pub fn finish(&self, count: usize, room: &mut Room, cells: &mut Cells) {
-        if count == 0 {
+    /// Finds what was taken, by every pair.
+    pub fn finish(&self, room: &mut Room, cells: &mut Cells) {
+        if room.drawn.is_empty() {
             return;
         }
         let of = self.split.of;
-        cells.places.extend(room.drawn[..count].iter().map(|cell| Point::from_raw(cell.place)));
+        cells.places.extend(room.drawn.iter().map(|cell| Point::from_raw(cell.place)));
         cells.pairs.resize_with(of.plans.len(), AsSeen::default);
         for (plan, seen) in of.plans.iter().zip(&mut cells.pairs) {
             let ends = [plan.pair.transmitter, of.radar.transmitters.len() + plan.pair.receiver];
-            self.pair(ends.map(|end| self.split.places[end].raw()), count, room, seen);
+            self.pair(ends.map(|end| self.split.places[end].raw()), room, seen);
         }
+        room.drawn.clear();
     }
 
-    fn pair(&self, [tx, rx]: [DVec3; 2], count: usize, room: &mut Room, seen: &mut AsSeen) {
+    fn pair(&self, [tx, rx]: [DVec3; 2], room: &mut Room, seen: &mut AsSeen) {
         let (variant, plan) = (Variant::fastest(), self.split.plan);
         let Room { batch, phasors, drawn } = room;
-        batch.count = count;
+        batch.count = drawn.len();
         batch.cover.fill(0.0);
         let ways = |cell: &Drawn| {
             let incident = (cell.place - tx).normalize_or_zero();
             [incident, (rx - cell.place).normalize_or_zero()]
         };
         let mut any_reflects = false;
-        for (i, cell) in drawn[..count].iter().enumerate() {
+        for (i, cell) in drawn.iter().enumerate() {
             let [incident, scattered] = ways(cell);
             for c in 0..3 {
                 batch.incident[c][i] = incident[c] as f32;
@@ -189,7 +183,7 @@ impl Maker<'_> {
         } else {
             respond(batch, true, true);
         }
-        for (i, cell) in drawn[..count].iter().enumerate() {
+        for (i, cell) in drawn.iter().enumerate() {
             let of_lane = |rows: &[[[Row; 2]; 2]; 2]| -> Matrix {
                 rows.each_ref().map(|row| row.each_ref().map(|parts| parts.each_ref().map(|part| part[i])))
             };
@@ -202,7 +196,7 @@ impl Maker<'_> {
                     of(m[0][0]) + of(m[1][1])
                 };
                 let share = power(&points) / (power(&points) + power(&matrix)).max(f64::MIN_POSITIVE);
-                let taken = if cell.mechanism < share {
+                let taken = if cell.found.mechanism < share {
                     (matrix, mechanism) = (points, Mechanism::Specular);
                     share
                 } else {
@@ -213,7 +207,7 @@ impl Maker<'_> {
             let ways = ways(cell);
             let [sx, sy] = [0, 1].map(|axis| f64::from(batch.slope[axis][i]));
             let turned = batch.cosine[0][i] > 0.0 && batch.cosine[1][i] > 0.0;
-            let area_m2 = cell.area_m2 * (1.0 + sx * sx + sy * sy).sqrt();
+            let area_m2 = cell.found.area_m2 * (1.0 + sx * sx + sy * sy).sqrt();
             scale *= if turned { area_m2.sqrt() * self.seen_share(cell, [-ways[0], ways[1]]) } else { 0.0 };
             let scaled = |part: f32| {
                 let scaled = (f64::from(part) * scale) as f32;
@@ -253,12 +247,12 @@ impl Maker<'_> {
     /// With the water, and along the bisector: `q.v` is the frequency drawn within the lines of a mechanism.
     fn velocity(&self, cell: &Drawn, mechanism: Mechanism, [incident, scattered]: [DVec3; 2]) -> DVec3 {
         let (plan, scattering) = (self.split.plan, &self.sea.scattering);
-        let omega_radps = scattering.travelling().map_or(plan.forgets_radps * cell.off, |lines| {
+        let omega_radps = scattering.travelling().map_or(plan.forgets_radps * cell.found.off, |lines| {
             let [one, other] = lines.lines(mechanism, incident, scattered);
             let powers = [one, other].map(|line| line.amplitude * line.amplitude);
-            let first = cell.line * (powers[0] + powers[1]) < powers[0];
+            let first = cell.found.line * (powers[0] + powers[1]) < powers[0];
             let line = if first { one } else { other };
-            line.centre_radps + line.deviation_radps * cell.off
+            line.centre_radps + line.deviation_radps * cell.found.off
         });
         let q = scattered - incident;
         let k_radpm = scattering.wavenumber_radpm();

@@ -13,9 +13,9 @@ use crate::cpu::{Task, Variant};
 use crate::frames::{Enu, Point};
 use crate::geometry::horizon;
 use crate::geometry::lanes::{LANES, Row, WideRow, lanes_for};
-use crate::paths::{PairPlan, PathGenerator};
 use crate::paths::block::Sight;
 use crate::paths::emission::Emission;
+use crate::paths::{PairPlan, PathGenerator};
 use crate::radar::lobe::MainLobe;
 use crate::radar::polarisation::Axes;
 
@@ -146,7 +146,12 @@ pub(super) struct Passes([Row; 2]);
 
 impl Passes {
     /// From two places of an antenna; `None` where all passes.
-    pub fn new(of: &PathGenerator, ends: [Point<Enu>; 2], places: &[WideRow; 3], count: usize) -> Option<Self> {
+    pub fn new(
+        of: &PathGenerator,
+        ends: [Point<Enu>; 2],
+        places: &[WideRow; 3],
+        count: usize,
+    ) -> Option<Self> {
         let earth = of.frame.hiding_earth();
         let mut passes = Self([[1.0; LANES]; 2]);
         let mut whole = true;

@@ -9,8 +9,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::cells::Cells;
 use super::squares::Square;
 
-/// Lots that are kept, at most: of 32 to 64 cells each, some 100 bytes a cell.
-pub(super) const MOST_LOTS: usize = 8192;
+/// Lots that are kept, at most.
+pub(super) const MOST_LOTS: usize = 1024;
 
 /// A slot and a square.
 type Key = (i64, Square);
@@ -86,11 +86,11 @@ mod tests {
             }
         });
         assert_eq!(found.load(Ordering::Relaxed), 1000);
-        for slot in 1000..100_000 {
+        for slot in 1000..20_000 {
             ask(slot);
             ask(0);
         }
-        assert_eq!(found.load(Ordering::Relaxed), 100_000);
+        assert_eq!(found.load(Ordering::Relaxed), 20_000);
         assert!(lots.0.lock().unwrap().lots.len() <= MOST_LOTS);
     }
 }

@@ -1,7 +1,7 @@
 //! The sea beyond the patch as scatterer paths: cells that stand for the facets of an area each.
 //!
-//! At a time the sea is split into squares, halved along x and y in turn until none is larger than `1/n` of
-//! the resolution cell about it (a range cell on the ground times the width of the narrower beam, from where
+//! At a time the sea is split into squares, halved along x and y in turn until they are about `1/n` of the
+//! resolution cell there (a range cell on the ground times the width of the narrower beam, from where
 //! antennas were when the slot began). A square holds one cell per slot: a facet of the scattering model at a
 //! random place, of the area of the square. Its slopes, the velocity of its water and its roughness are those
 //! of the waves there ([`crate::sea::wave_sum`]) when its life is half over; its matrix is that of a facet of
@@ -59,6 +59,8 @@ use cells::{AsSeen, Cells, Maker, Matrix, Room};
 use lots::Lots;
 use squares::{Search, Split, Square, is_on};
 
+/// Pulses of a stretch, some more than a beam that turns allows.
+pub(crate) const FAR_PULSES: usize = 16;
 /// Half the life of a cell, s.
 const SLOT_S: f64 = 1.0;
 /// How much larger than wanted squares may be.
@@ -203,6 +205,13 @@ impl PathGenerator {
         self.far.as_ref().map(|far| (far.mean, far.in_cell))
     }
 
+    /// What cells that are kept take, at most, bytes.
+    pub fn far_bytes(&self) -> u64 {
+        // Lots of half to all of their cells, in lists with as much room again.
+        let lot = squares::LOT_CELLS as usize * cells::cell_bytes(self.pairs.len());
+        self.far.as_ref().map_or(0, |_| (lots::MOST_LOTS * lot) as u64)
+    }
+
     /// Cells of a pulse for which there is room beforehand.
     pub(super) fn far_room(&self) -> usize {
         self.far.as_ref().map_or(0, |far| far.most)
@@ -322,15 +331,15 @@ impl PathGenerator {
                 continue;
             }
             // Those of a sample are not kept.
-            let (mut number, mut count, mut cells) = (0, 0, Cells::default());
+            let (mut number, mut cells) = (0, Cells::default());
             search.seen_cells(&mut |found| {
                 number += 1;
                 if number % every == 0 {
-                    maker.add(found, &mut count, room, &mut cells);
+                    maker.add(found, room, &mut cells);
                 }
                 true
             });
-            maker.finish(count, room, &mut cells);
+            maker.finish(room, &mut cells);
             append(&cells);
             paths.turn(first, Complex64::from((every as f64).sqrt()));
         }

@@ -1,20 +1,22 @@
 //! Squares of the sea: where the cells of the far sea are.
 //!
-//! A square is halved until it is no larger than is wanted about its middle. On the way down a square of some
-//! [`LOT_CELLS`] cells is a **lot**: cells are found and kept by lots, whether or not a beam sees all of one.
+//! A square is halved until it is a **lot**: no larger than [`LOT_CELLS`] cells about its middle. A lot is
+//! halved evenly until its cells are no larger than is wanted there. Cells are found and kept by lots, whether
+//! or not a beam sees all of one.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 use super::FarPlan;
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
-use crate::paths::{PairPlan, PathGenerator};
 use crate::paths::facets::Reception;
+use crate::paths::{PairPlan, PathGenerator};
 use crate::rng::{Room, stream};
+use crate::scattering::two_scale::TILTS;
 use crate::scene::Patch;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
@@ -29,7 +31,9 @@ const WIDEST_RAD: f64 = 0.5;
 const LEAST_GRADIENT: f64 = 0.1;
 
 /// Cells of a lot, at most, nearly.
-const LOT_CELLS: f64 = 64.0;
+pub(super) const LOT_CELLS: u32 = 256;
+/// Random processes of a cell, at most.
+const MECHANISMS: usize = 1 + TILTS;
 
 /// A rectangle of the sea that is split: level and numbers along x and y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,11 +42,19 @@ pub(super) struct Square {
     at: [u32; 2],
 }
 
-/// A cell: its random numbers, where it is when its life is half over, and its area.
+/// A cell: where it is when its life is half over, its area, and its random numbers.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
-    pub rng: ChaCha8Rng,
     pub place_m: [f64; 2],
     pub area_m2: f64,
+    /// Phases of its mechanisms, from -1/2 to 1/2 turns.
+    pub turns: [f32; MECHANISMS],
+    /// Which mechanism and which line it stands for, of 0 to 1, and where in the line, in deviations.
+    pub mechanism: f64,
+    pub line: f64,
+    pub off: f64,
+    /// Of its own waves, where it has such.
+    pub waves: u64,
 }
 
 impl Square {
@@ -122,10 +134,13 @@ impl Split<'_> {
         2.0 / self.plan.cells * self.coarser * least.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether a square is larger than that of so many cells.
-    fn is_larger(&self, square: Square, middle: Point<Enu>, cells: f64) -> bool {
+    /// How often a square is halved for cells of the area that is wanted about its middle, but for a root of
+    /// two.
+    fn halvings(&self, square: Square, middle: Point<Enu>) -> u32 {
         let [x_m, y_m] = square.sides_m();
-        square.level < DEEPEST && x_m * y_m > cells * std::f64::consts::SQRT_2 * self.wanted_m2(middle)
+        let larger = x_m * y_m / (std::f64::consts::SQRT_2 * self.wanted_m2(middle));
+        // A number that is none, too.
+        (larger.log2().ceil().max(0.0) as u32).min(DEEPEST - square.level)
     }
 
     fn middle(&self, square: Square) -> Point<Enu> {
@@ -133,17 +148,31 @@ impl Split<'_> {
         self.surface([0, 1].map(|i| low_m[i] + 0.5 * sides_m[i]))
     }
 
-    /// Hands over all cells of a square; `false` once no more are wanted.
-    pub fn cells(&self, square: Square, each: &mut impl FnMut(Found) -> bool) -> bool {
-        if self.is_larger(square, self.middle(square), 1.0) {
-            return (0..2).all(|upper| self.cells(square.half(upper), each));
-        }
-        let (low_m, sides_m) = (square.low_m(), square.sides_m());
-        let [x, y] = square.at.map(u64::from);
-        let part = (self.slot as u64) << 8 | u64::from(square.level);
+    /// Hands over all cells of a lot; `false` once no more are wanted.
+    pub fn cells(&self, lot: Square, each: &mut impl FnMut(Found) -> bool) -> bool {
+        let halvings = self.halvings(lot, self.middle(lot));
+        let (low_m, sides_m) = (lot.low_m(), lot.sides_m());
+        let first = (lot.level % 2) as usize;
+        let mut counts = [halvings / 2; 2];
+        counts[first] = halvings.div_ceil(2);
+        let counts = counts.map(|halved| 1u64 << halved);
+        let sides_m = [0, 1].map(|i| sides_m[i] / counts[i] as f64);
+        let [x, y] = lot.at.map(u64::from);
+        let part = (self.slot as u64) << 8 | u64::from(lot.level);
         let mut rng = stream(self.plan.seed, Room::FarCell, x << 32 | y, part);
-        let place_m = [0, 1].map(|i| low_m[i] + sides_m[i] * rng.random::<f64>());
-        each(Found { rng, place_m, area_m2: sides_m[0] * sides_m[1] })
+        for n in 0..counts[0] * counts[1] {
+            let at = [n % counts[0], n / counts[0]];
+            let place_m = [0, 1].map(|i| low_m[i] + sides_m[i] * (at[i] as f64 + rng.random::<f64>()));
+            let mut turns = [0.0; MECHANISMS];
+            turns.fill_with(|| rng.random::<f32>() - 0.5);
+            let [mechanism, line] = [(); 2].map(|()| rng.random::<f64>());
+            let off = rng.sample(StandardNormal);
+            let (area_m2, waves) = (sides_m[0] * sides_m[1], rng.random());
+            if !each(Found { place_m, area_m2, turns, mechanism, line, off, waves }) {
+                return false;
+            }
+        }
+        true
     }
 }
 
@@ -158,7 +187,7 @@ impl Search<'_> {
         if !self.is_seen(middle, radius_m + bulge_m + MARGIN_M) {
             return true;
         }
-        if self.split.is_larger(square, middle, LOT_CELLS) {
+        if self.split.halvings(square, middle) > LOT_CELLS.ilog2() {
             return (0..2).all(|upper| self.lots(square.half(upper), each));
         }
         each(square)

@@ -30,7 +30,7 @@ use crate::scattering::lanes::Batch;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// What antennas turn to either side of the middle of a stretch, over the width of their beams.
-const TURN_WIDTHS: f64 = 0.4;
+const TURN_WIDTHS: f64 = 0.55;
 
 /// Cells side by side that a stretch may see.
 #[derive(Clone)]
@@ -136,9 +136,11 @@ impl PathGenerator {
         let patch = &patch.map_err(|failure| self.sea_error(first, SeaFailure::from(failure)))?;
         let slow = &stretch.slow;
         let slopes = Slopes::through(at, slow);
-        let Work { room, stretch: buffers, outlooks } = far.get_or_insert_with(|| Work::new(sea, self.plans.len()));
+        let Work { room, stretch: buffers, outlooks } =
+            far.get_or_insert_with(|| Work::new(sea, self.plans.len()));
         outlooks.clear();
-        for (emission, plan) in emissions.iter().flat_map(|it| self.plans.iter().map(move |plan| (it, plan))) {
+        for (emission, plan) in emissions.iter().flat_map(|it| self.plans.iter().map(move |plan| (it, plan)))
+        {
             outlooks.push(Outlook::of_pair(self, plan, emission, &emissions[count / 2]));
         }
         let made = Making {
@@ -391,8 +393,7 @@ impl Making<'_> {
     fn is_smooth(&self, paths: &[Box<Paths>], count: usize) -> bool {
         let last = self.nodes[self.nodes.len() - 1];
         let lasts = self.slow.at(last) - self.slow.at(self.nodes[0]);
-        let (mean_pri_s, carrier_hz) =
-            (self.of.radar.emissions.mean_pri_s(), self.of.radar.carrier_hz);
+        let (mean_pri_s, carrier_hz) = (self.of.radar.emissions.mean_pri_s(), self.of.radar.carrier_hz);
         let most_s = PHASE_RAD / (std::f64::consts::TAU * carrier_hz * lasts / 18.0);
         let [begin, end] = [&paths[0], &paths[paths.len() - 1]];
         (0..count).all(|i| {

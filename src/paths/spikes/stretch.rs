@@ -313,8 +313,12 @@ impl Making<'_> {
             let lasts = slow.at(places[places.len() - 1]) - slow.at(places[0]);
             let [first, last] = [&paths[0], &paths[paths.len() - 1]];
             let off_rad = std::f64::consts::TAU * of.radar.carrier_hz * lasts / 18.0
-                * self.slopes.off_s(paths.iter().map(|path| (path.delay_s, path.delay_rate)), self.interval_s);
-            smooth &= !within || (off_rad <= PHASE_RAD && !(turns(first.incident, last.incident) || turns(first.scattered, last.scattered)));
+                * self
+                    .slopes
+                    .off_s(paths.iter().map(|path| (path.delay_s, path.delay_rate)), self.interval_s);
+            smooth &= !within
+                || (off_rad <= PHASE_RAD
+                    && !(turns(first.incident, last.incident) || turns(first.scattered, last.scattered)));
             for ((node, path), &place) in nodes.iter_mut().zip(paths).zip(places) {
                 node.delay_s[pair].push(path.delay_s);
                 node.delay_rate[pair].push(path.delay_rate);
