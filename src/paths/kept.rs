@@ -2,10 +2,12 @@
 //!
 //! The only locks among them: who asks for a thing while it is found waits, who asks for another does not,
 //! and what is found is used by all at once. It depends on neither the thread nor the order in which it is
-//! asked for. Its places are made beforehand and taken again, so that a run in its steady state allocates
-//! nothing.
+//! asked for. Places of [`Kept`] are made beforehand and taken again, so that a run in its steady state
+//! allocates nothing; [`KeptMany`] is for thousands of things, and allocates each.
 
-use std::sync::{Mutex, PoisonError, RwLock};
+use std::collections::HashMap;
+use std::hash::Hash;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
 
 /// The things that were found last, each of a number or another key.
 #[derive(Debug)]
@@ -98,6 +100,49 @@ impl<K: Copy + PartialEq, T> Kept<K, T> {
     }
 }
 
+/// Many things, of which the longest unused half goes where there are too many.
+#[derive(Debug)]
+pub(super) struct KeptMany<K, T> {
+    most: usize,
+    inner: Mutex<Many<K, T>>,
+}
+
+#[derive(Debug)]
+struct Many<K, T> {
+    /// When each was used last, and what it is once it is found.
+    things: HashMap<K, (u64, Arc<OnceLock<T>>)>,
+    uses: u64,
+}
+
+impl<K: Copy + Eq + Hash, T> KeptMany<K, T> {
+    /// So many at most.
+    pub fn new(most: usize) -> Self {
+        Self { most, inner: Mutex::new(Many { things: HashMap::new(), uses: 0 }) }
+    }
+
+    /// Uses the thing of a key; `find` finds it where nobody has. Found again it must be the same.
+    pub fn with<R>(&self, key: K, find: impl FnOnce() -> T, use_it: impl FnOnce(&T) -> R) -> R {
+        use_it(self.place_of(key).get_or_init(find))
+    }
+
+    fn place_of(&self, key: K) -> Arc<OnceLock<T>> {
+        let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        let Many { things, uses } = &mut *inner;
+        *uses += 1;
+        if let Some((used, place)) = things.get_mut(&key) {
+            *used = *uses;
+            return Arc::clone(place);
+        }
+        if things.len() >= self.most {
+            let mut times: Vec<u64> = things.values().map(|(used, _)| *used).collect();
+            let (_, middle, _) = times.select_nth_unstable(self.most / 2);
+            things.retain(|_, (used, _)| *used >= *middle);
+        }
+        let (_, place) = things.entry(key).or_insert((*uses, Arc::default()));
+        Arc::clone(place)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::convert::Infallible;
@@ -150,6 +195,31 @@ mod tests {
                 });
             }
         });
+    }
+
+    /// Threads that ask for the same of many find it once, and the last used stay.
+    #[test]
+    fn many_are_found_once_and_the_last_used_stay() {
+        let (kept, found) = (KeptMany::new(1024), AtomicUsize::new(0));
+        let ask = |number: usize| {
+            let find = || {
+                found.fetch_add(1, Ordering::Relaxed);
+                3 * number
+            };
+            assert_eq!(kept.with(number, find, |thing| *thing), 3 * number);
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| (0..1000).for_each(ask));
+            }
+        });
+        assert_eq!(found.load(Ordering::Relaxed), 1000);
+        for number in 1000..20_000 {
+            ask(number);
+            ask(0);
+        }
+        assert_eq!(found.load(Ordering::Relaxed), 20_000);
+        assert!(kept.inner.lock().unwrap().things.len() <= 1024);
     }
 
     #[test]

@@ -37,7 +37,8 @@ use crate::radar::waveform::Waveform;
 use crate::scene::front_end::FrontEnd;
 use crate::scene::{Radar, Scene};
 
-/// Facets, and cells of the far sea, times pairs times pulses that are made, at most: some 0.15 s of one core.
+/// Facets, and cells of the far sea, times pairs times pulses that are made, at most: some 0.15 s of one
+/// core.
 const FACET_PULSES: u64 = 1 << 17;
 /// Fewer pulses say nothing.
 const LEAST_PULSES: u64 = 8;

@@ -256,8 +256,8 @@ impl PulseFactory {
         kept.saturating_add((count as u64).saturating_mul(each.saturating_mul(threads as u64)))
     }
 
-    /// About what the far sea takes with so many workers, bytes: cells that are kept for all, and lists of those
-    /// of a stretch.
+    /// About what the far sea takes with so many workers, bytes: cells that are kept for all, and lists of
+    /// those of a stretch.
     pub(crate) fn far_bytes(&self, threads: usize) -> u64 {
         let generator = self.generator();
         let cells = generator.far_cells().map_or(0.0, |(cells, _)| cells);

@@ -57,7 +57,8 @@ const BEFORE: [(&str, &str); 5] = [
 ];
 
 /// Scenarios with a sea, by the beginning of their names.
-const WITH_SEA: [&str; 7] = [
+const WITH_SEA: [&str; 8] = [
+    "configs/coastal-scan",
     "configs/mars-",
     "configs/quickstart",
     "configs/sea",

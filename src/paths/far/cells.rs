@@ -1,8 +1,8 @@
 //! Cells of a lot as all pairs of antennas see them in a slot: found once, side by side, for all pulses.
 //!
-//! A cell is a facet of the scattering model ([`crate::scattering::lanes`], of clean water): its slope is that
-//! of the waves less the fall of the mean surface, its phasors are its own. Of both mechanisms it is one,
-//! drawn by their powers, with the power of both, since each has a Doppler of its own.
+//! A cell is a facet of the scattering model ([`crate::scattering::lanes`], of clean water): its slope is
+//! that of the waves less the fall of the mean surface, its phasors are its own. Of both mechanisms it is
+//! one, drawn by their powers, with the power of both, since each has a Doppler of its own.
 
 use glam::{DVec2, DVec3};
 use rand::RngExt;
@@ -41,6 +41,12 @@ pub(super) struct AsSeen {
     /// Of the water, and along the bisector as fast as the frequency of the cell asks, m/s.
     pub velocities_mps: Vec<[f32; 3]>,
     pub matrices: Vec<Matrix>,
+}
+
+impl AsSeen {
+    fn with_capacity(count: usize) -> Self {
+        Self { velocities_mps: Vec::with_capacity(count), matrices: Vec::with_capacity(count) }
+    }
 }
 
 /// A cell, its place in space and the waves there.
@@ -88,7 +94,11 @@ pub(super) struct Maker<'a> {
 impl Maker<'_> {
     /// All cells of a lot.
     pub fn lot(&self, lot: Square, room: &mut Room) -> Cells {
-        let mut cells = Cells::default();
+        let room_for = |count: usize| Cells {
+            places: Vec::with_capacity(count),
+            pairs: self.split.of.plans.iter().map(|_| AsSeen::with_capacity(count)).collect(),
+        };
+        let mut cells = room_for(self.split.count(lot));
         self.split.cells(lot, &mut |found| {
             self.add(found, room, &mut cells);
             true
@@ -110,8 +120,8 @@ impl Maker<'_> {
         let waters = self.waters(&found);
         let earth = self.split.of.frame.earth();
         let fall = earth.drop_slope(x, y);
-        for axis in 0..2 {
-            room.batch.slope[axis][i] = (waters.slope[axis] - fall[axis]) as f32;
+        for ((row, own), fall) in room.batch.slope.iter_mut().zip(waters.slope).zip(fall) {
+            row[i] = (own - fall) as f32;
         }
         for (row, entry) in room.batch.strain.iter_mut().zip(waters.strain) {
             row[i] = entry as f32;

@@ -11,8 +11,8 @@
 //!
 //! A cell runs straight on: with its water, and along the bisector of each pair as fast as one frequency asks
 //! that is drawn from the lines of the waves that scatter ([`crate::scattering::bragg`]). All of it follows
-//! from the seed, the slot and the numbers of the square alone, and is found once, by lots ([`cells`],
-//! [`lots`]), in f32 side by side: reference and fast echo share it. Slots of `SLOT_S` overlap by half: a cell
+//! from the seed, the slot and the numbers of the square alone, and is found once, by lots ([`cells`]), in f32
+//! side by side: reference and fast echo share it. Slots of `SLOT_S` overlap by half: a cell
 //! lasts two of them, with the amplitude `sin(pi s)`, so that the powers of both add up to 1 at every time.
 //!
 //! Where there would be more cells at a pulse than are allowed, squares are larger by a power of two that is
@@ -25,7 +25,6 @@
 
 mod cells;
 mod gains;
-mod lots;
 mod squares;
 mod stretch;
 
@@ -37,7 +36,7 @@ use num_complex::Complex64;
 
 use super::emission::Emission;
 use super::facets::Reception;
-use super::kept::Kept;
+use super::kept::{Kept, KeptMany};
 use super::list::ScattererPaths;
 use super::sea::{SeaFailure, SeaPlan};
 use super::{PathGenerator, Workspace};
@@ -56,7 +55,6 @@ use crate::scene::sea::Phases;
 use crate::sea::wave_sum::WaveSum;
 use crate::units::SPEED_OF_LIGHT_MPS;
 use cells::{AsSeen, Cells, Maker, Matrix, Room};
-use lots::Lots;
 use squares::{Search, Split, Square, is_on};
 
 /// Pulses of a stretch, some more than a beam that turns allows.
@@ -65,8 +63,9 @@ pub(crate) const FAR_PULSES: usize = 16;
 const SLOT_S: f64 = 1.0;
 /// How much larger than wanted squares may be.
 const COARSEST: f64 = 1_048_576.0;
-/// Slots that are kept.
+/// Slots and lots that are kept.
 const KEPT: usize = 24;
+const MOST_LOTS: usize = 1024;
 /// Pulses of the run at which cells are counted for the forecast.
 const COUNTED: u64 = 5;
 
@@ -91,7 +90,8 @@ pub(super) struct FarPlan {
     /// The scattering model, modulated by these waves.
     lanes: LaneWater,
     slots: Arc<Kept<i64, Slot>>,
-    lots: Arc<Lots>,
+    /// Cells by slot and lot.
+    lots: Arc<KeptMany<(i64, Square), Cells>>,
     /// Cells of a pulse, mean, and in a resolution cell, the fewest: of some pulses of the run.
     mean: f64,
     in_cell: f64,
@@ -152,7 +152,7 @@ impl FarPlan {
             forgets_radps,
             lanes: plan.lanes.modulated_by(waves.strength()),
             slots: Self::no_slots(antennas.len()),
-            lots: Arc::default(),
+            lots: Self::no_lots(),
             mean: 0.0,
             in_cell: 0.0,
             seed: scene.seed,
@@ -168,9 +168,13 @@ impl FarPlan {
         }))
     }
 
+    fn no_lots() -> Arc<KeptMany<(i64, Square), Cells>> {
+        Arc::new(KeptMany::new(MOST_LOTS))
+    }
+
     /// The same sea seen from other tracks.
     pub fn renewed(&self) -> Self {
-        Self { slots: Self::no_slots(self.lobes.len()), lots: Arc::default(), ..self.clone() }
+        Self { slots: Self::no_slots(self.lobes.len()), lots: Self::no_lots(), ..self.clone() }
     }
 
     /// Amplitude at a time of a slot: 0 at the ends of the life.
@@ -209,7 +213,7 @@ impl PathGenerator {
     pub fn far_bytes(&self) -> u64 {
         // Lots of half to all of their cells, in lists with as much room again.
         let lot = squares::LOT_CELLS as usize * cells::cell_bytes(self.pairs.len());
-        self.far.as_ref().map_or(0, |_| (lots::MOST_LOTS * lot) as u64)
+        self.far.as_ref().map_or(0, |_| (MOST_LOTS * lot) as u64)
     }
 
     /// Cells of a pulse for which there is room beforehand.

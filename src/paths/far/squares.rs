@@ -1,8 +1,8 @@
 //! Squares of the sea: where the cells of the far sea are.
 //!
 //! A square is halved until it is a **lot**: no larger than [`LOT_CELLS`] cells about its middle. A lot is
-//! halved evenly until its cells are no larger than is wanted there. Cells are found and kept by lots, whether
-//! or not a beam sees all of one.
+//! halved evenly until its cells are no larger than is wanted there. Cells are found and kept by lots,
+//! whether or not a beam sees all of one.
 
 use std::f64::consts::PI;
 
@@ -146,6 +146,11 @@ impl Split<'_> {
     fn middle(&self, square: Square) -> Point<Enu> {
         let (low_m, sides_m) = (square.low_m(), square.sides_m());
         self.surface([0, 1].map(|i| low_m[i] + 0.5 * sides_m[i]))
+    }
+
+    /// Cells of a lot.
+    pub fn count(&self, lot: Square) -> usize {
+        1 << self.halvings(lot, self.middle(lot))
     }
 
     /// Hands over all cells of a lot; `false` once no more are wanted.
