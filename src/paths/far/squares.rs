@@ -95,8 +95,8 @@ pub(super) struct Search<'a> {
     pub reception: &'a Reception<'a>,
     /// The patch of the pulse, on which facets are the sea.
     pub patch: &'a Patch,
-    /// What antennas and windows move, and what antennas turn about the pulse, m and rad: 0 for that pulse
-    /// alone.
+    /// What antennas, windows and cells move, and what antennas turn about the pulse, m and rad: 0 for that
+    /// pulse alone.
     pub about: [f64; 2],
 }
 

@@ -8,6 +8,8 @@
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
 
+use std::ops::Range;
+
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 
@@ -31,6 +33,8 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// What antennas turn to either side of the middle of a stretch, over the width of their beams.
 const TURN_WIDTHS: f64 = 0.55;
+/// How fast cells move, m/s, but for few.
+const FASTEST_MPS: f64 = 10.0;
 
 /// Cells side by side that a stretch may see.
 #[derive(Clone)]
@@ -86,7 +90,7 @@ struct Making<'a> {
     nodes: &'a [usize],
     slow: &'a SlowTime,
     slopes: Slopes,
-    /// What antennas and windows move and what antennas turn about the middle, m and rad.
+    /// What antennas, windows and cells move and what antennas turn about the middle, m and rad.
     about: [f64; 2],
     reception: &'a Reception<'a>,
     /// `[pulse][pair]`.
@@ -131,6 +135,7 @@ impl PathGenerator {
         self.windows_at(middle, windows)?;
         let moves_s = windows.first().map_or(0.0, |window| window.open_s) - opens_s;
         about[0] += SPEED_OF_LIGHT_MPS * moves_s.abs();
+        about[0] += FASTEST_MPS * 0.5 * (elapsed_s[count - 1] - elapsed_s[0]);
         let reception = &self.reception_of_all(middle, &emissions[count / 2], windows);
         let patch = sea.patch_at(&reception.surroundings, elapsed_s[0]);
         let patch = &patch.map_err(|failure| self.sea_error(first, SeaFailure::from(failure)))?;
@@ -158,17 +163,16 @@ impl PathGenerator {
         buffers.factors.clear();
         buffers.counts.clear();
         let [begin, end] = [elapsed_s[0], elapsed_s[count - 1]].map(FarPlan::slots_at);
-        let mut smooth = true;
         for slot in begin[0]..=end[1] {
             let coarser = self.begin_far_slot(plan, (first, slot), other, places)?;
             let split = Split { plan, of: self, places, coarser, slot };
             let search = Search { split, reception, patch, about };
             let maker = Maker { split, sea, middle_s: FarPlan::middle_s(slot) };
             let mut gather = |cells: &Cells| {
-                let mut from = 0;
+                let (mut from, mut smooth) = (0, true);
                 while smooth && from < cells.places.len() {
                     let until = (from + LANES).min(cells.places.len());
-                    let kept = made.kept(&cells.places[from..until]);
+                    let kept = made.kept(slot, cells, from..until);
                     for (i, place) in (from..until).zip(&cells.places[from..until]) {
                         let [x, y, _] = place.to_array();
                         if kept[i - from] == 0.0 || is_on(patch, [x, y]) {
@@ -181,10 +185,10 @@ impl PathGenerator {
                     }
                     from = until;
                 }
+                smooth
             };
-            search.lots(Square::ALL, &mut |lot| {
-                plan.lots.with((slot, lot), || maker.lot(lot, room), &mut gather);
-                true
+            let mut smooth = search.lots(Square::ALL, &mut |lot| {
+                plan.lots.with((slot, lot), || maker.lot(lot, room), &mut gather)
             });
             smooth = smooth && made.append(slot, buffers, nodes);
             buffers.lit.count = 0;
@@ -271,22 +275,24 @@ impl Making<'_> {
         &self.emissions[self.emissions.len() / 2]
     }
 
-    /// Which cells any pair may see in the stretch: 0 of others.
-    fn kept(&self, places: &[Point<Enu>]) -> Row {
-        let count = places.len();
+    /// Which cells any pair may see in the stretch, by where they are in its middle: 0 of others.
+    fn kept(&self, slot: i64, cells: &Cells, range: Range<usize>) -> Row {
+        let (count, places) = (range.len(), &cells.places[range.clone()]);
+        let for_s = self.elapsed_s[self.emissions.len() / 2] - FarPlan::middle_s(slot);
         let of_middle = self.emissions.len() / 2 * self.of.plans.len();
         let mut any = [0.0; LANES];
-        for (pair, plan) in self.of.plans.iter().enumerate() {
+        for (pair, (plan, seen)) in self.of.plans.iter().zip(&cells.pairs).enumerate() {
+            let velocities_mps = &seen.velocities_mps[range.clone()];
             let mut own = [1.0; LANES];
             let mut ways_m = [0.0; LANES];
             let window = self.reception.window(plan);
             for (n, end) in self.ends(plan).into_iter().enumerate() {
                 let centre = self.middle().centres[end].position.raw();
                 let mut rows = [[0.0; LANES]; 3];
-                for (i, place) in places.iter().enumerate() {
+                for (i, (place, velocity_mps)) in places.iter().zip(velocities_mps).enumerate() {
                     let way = place.raw() - centre;
                     for c in 0..3 {
-                        rows[c][i] = way[c] as f32;
+                        rows[c][i] = (way[c] + f64::from(velocity_mps[c]) * for_s) as f32;
                     }
                 }
                 let outlook = &self.outlooks[of_middle + pair][n];
