@@ -19,7 +19,7 @@ _HALF_C_MPS = 299_792_458.0 / 2.0
 #: Samples that are compressed at a time, bytes.
 _BLOCK_BYTES = 32 << 20
 #: Steps of azimuth that are allowed, degrees.
-_STEPS_DEG = (0.01, 90.0)
+_STEPS_DEG = (0.05, 90.0)
 _POLARISATIONS = {"H": 1, "V": 2, "R": 3, "L": 4}
 
 
@@ -46,7 +46,7 @@ def ppi(
     Args:
         ds: a dataset of `nereus.open`, or pulses and channels selected from it; the first sample has to be there.
         channel: its name; without one, the first of echoes whose receiver scans on the platform of its transmitter.
-        azimuth_step_deg: width of a step, 0.01 to 90 degrees; taken so that a turn has a whole number of them.
+        azimuth_step_deg: width of a step, 0.05 to 90 degrees; taken so that a turn has a whole number of them.
         pointing: "reported": what the encoder reads, plus the heading that the platform reports where it counts from
             the nose. "true": the true axis of the receiving antenna.
 

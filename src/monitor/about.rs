@@ -177,7 +177,6 @@ pub fn about(
             "spokes": ppi.spokes(),
             "beam_deg": ppi.beam_deg(),
             "period_s": ppi.period_s(),
-            "clockwise": ppi.radials().rate_deg_per_s() >= 0.0,
         })),
         "channels": header.channels.iter().map(|channel| json!({ "name": channel.name, "pair": pair(channel) })).collect::<Vec<_>>(),
         "platforms": header.platforms,

@@ -191,7 +191,7 @@ impl Place {
         self.doppler = doppler.unwrap_or(self.doppler);
     }
 
-    /// What is new; all of it at the end.
+    /// What is new, as much as an update holds.
     fn update(&mut self, hub: &Hub, ended: bool) -> Vec<Message> {
         let mut messages = Vec::new();
         if ended || self.ticks.is_multiple_of(STATUS_TICKS) {

@@ -126,6 +126,8 @@ impl<K: Copy + Eq + Hash, T> KeptMany<K, T> {
     }
 
     fn place_of(&self, key: K) -> Arc<OnceLock<T>> {
+        // Freed when nobody waits any more.
+        let mut gone = Vec::new();
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
         let Many { things, uses } = &mut *inner;
         *uses += 1;
@@ -136,7 +138,7 @@ impl<K: Copy + Eq + Hash, T> KeptMany<K, T> {
         if things.len() >= self.most {
             let mut times: Vec<u64> = things.values().map(|(used, _)| *used).collect();
             let (_, middle, _) = times.select_nth_unstable(self.most / 2);
-            things.retain(|_, (used, _)| *used >= *middle);
+            gone.extend(things.extract_if(|_, (used, _)| *used < *middle));
         }
         let (_, place) = things.entry(key).or_insert((*uses, Arc::default()));
         Arc::clone(place)

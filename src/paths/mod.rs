@@ -173,6 +173,11 @@ struct PairPlan {
 }
 
 impl PairPlan {
+    /// Places of both antennas among all, of which so many transmit.
+    fn ends(&self, transmitters: usize) -> [usize; 2] {
+        [self.pair.transmitter, transmitters + self.pair.receiver]
+    }
+
     /// Whether an emission reaches any channel of the pair.
     fn receives(&self, tx_pol: Option<Polarisation>) -> bool {
         tx_pol.is_none_or(|port| self.channels.iter().any(|&(_, tx, _)| tx == port))

@@ -79,19 +79,9 @@ impl Radials {
         &self.name
     }
 
-    /// Place of the channel.
-    pub fn channel(&self) -> usize {
-        self.channel
-    }
-
     /// Place of the receiving antenna among all.
     pub fn antenna(&self) -> usize {
         self.antenna
-    }
-
-    /// Place of the platform of both antennas.
-    pub fn platform(&self) -> Option<usize> {
-        self.platform
     }
 
     /// How the receiving antenna scans.

@@ -58,7 +58,7 @@ tables! {
     far "[sea.far]" "The sea beyond the patch, to the horizon or the end of the window: cells with the statistics of facets (docs/far-sea.md)." {
         ENABLED "enabled", Kind::Flag, Flag(false), "Whether there is any; without it the sea ends with the patch.";
         CELLS "cells", count(1, 64), Count(4), "Cells in a resolution cell (a range cell by the narrower beam). Few make the echo spikier than speckle: its contrast exceeds 2 by 2/cells at least.";
-        MOST_CELLS "most_cells", count(256, 1_048_576), Count(16_384), "Cells of a pulse, at most; where there would be more, each stands for two, four ... times the area.";
+        MOST_CELLS "most_cells", count(256, 1_048_576), Count(16_384), "Cells of a pulse, at most, as it is when a second begins; where there would be more, each stands for two, four ... times the area.";
         TEXTURE "texture", Kind::Flag, Flag(true), "Whether cells have waves in common, so that swell is seen as stripes that travel; false: each has waves of its own.";
     }
     swell "[[swell]]" "A swell train. Exactly one direction." {

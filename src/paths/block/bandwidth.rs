@@ -136,7 +136,7 @@ impl PathGenerator {
 
     /// Both sides of what beams that sweep over the tile, as its first facet shows, add to its bandwidth, Hz.
     fn band_of_gains_hz(&self, plan: &PairPlan, pair: &Pair, work: &TileWork) -> f64 {
-        let ends = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+        let ends = plan.ends(self.radar.transmitters.len());
         let (timing, slow) = (work.timing(), &work.tile.slow);
         let at = |node: usize, end: usize| {
             let Paths { incident, scattered, .. } = &*pair.nodes()[node].paths;

@@ -158,7 +158,7 @@ impl PathGenerator {
         let mut illuminated = [0.0f32; LANES];
         let ends = shadow_updates.first().map_or(0, |update_weights| update_weights.weights.len());
         for ((plan, pair), gains) in self.plans.iter().zip(&tile.pairs).zip(&*gain_rows) {
-            let of = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+            let of = plan.ends(self.radar.transmitters.len());
             let (nodes, gains) = (pair.nodes(), &gains[..instants]);
             variant.run(Illuminated {
                 count,
@@ -260,7 +260,7 @@ impl PathGenerator {
         let single = sea.lanes.phases() == Phases::Single;
         let plan = &self.plans[pair];
         let transmitters = self.radar.transmitters.len();
-        let (tx, rx) = (plan.pair.transmitter, transmitters + plan.pair.receiver);
+        let [tx, rx] = plan.ends(transmitters);
         let (tx_axes, _) = self.axes_of(&instant.emission, tx);
         let (rx_axes, rx_change) = self.axes_of(&instant.emission, rx);
         let bases = [tx, rx].map(|antenna| self.basis_of(&instant.emission, antenna));
@@ -426,7 +426,7 @@ impl PathGenerator {
         let timing = timings.of(tile.tier);
         let points = timing.gain_points();
         let plan = &self.plans[pair];
-        let antennas = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+        let antennas = plan.ends(self.radar.transmitters.len());
         let count = tile.count;
         let supports = tile.supports.chosen();
         let rows = supports.map_or(timing.instants.pulses, |own| own.pulses().len());

@@ -136,7 +136,7 @@ impl PathGenerator {
         let part = &seen[first..seen.len().min(first + LANES)];
         let (count, antennas) = (part.len(), self.antennas.len());
         let plan = &self.plans[pair];
-        let ends = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+        let ends = plan.ends(self.radar.transmitters.len());
         let nodes = &directions[pair][..at.len()];
         let [gains, before, after] = &mut **rows;
         let mut held = usize::MAX;

@@ -152,7 +152,7 @@ impl PathGenerator {
         let TileWork { variant, timings, gain_rows, tile, .. } = work;
         let timing = timings.of(tile.tier);
         let plan = &self.plans[pair];
-        let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);
+        let [tx, rx] = plan.ends(self.radar.transmitters.len());
         let in_use = timing.gain_places.len();
         let mut largest = 0.0f32;
         for (instant, out) in timing.gains[..in_use].iter().zip(&mut gain_rows[pair]) {

@@ -20,6 +20,8 @@ use crate::scattering::lanes::Batch;
 use crate::scene::sea::Phases;
 use crate::sea::wave_sum::{WAVES, Waters, sin_cos_of_turns};
 
+/// How fast cells move, m/s, at most: nearly forward, lines of a few hertz ask for more.
+pub(super) const FASTEST_MPS: f64 = 10.0;
 /// Slope of what would reflect a ray, over that of the sea, beyond which nothing specular is looked for.
 const STEEPEST: f64 = 7.0;
 
@@ -150,7 +152,7 @@ impl Maker<'_> {
         cells.places.extend(room.drawn.iter().map(|cell| Point::from_raw(cell.place)));
         cells.pairs.resize_with(of.plans.len(), AsSeen::default);
         for (plan, seen) in of.plans.iter().zip(&mut cells.pairs) {
-            let ends = [plan.pair.transmitter, of.radar.transmitters.len() + plan.pair.receiver];
+            let ends = plan.ends(of.radar.transmitters.len());
             self.pair(ends.map(|end| self.split.places[end].raw()), room, seen);
         }
         room.drawn.clear();
@@ -271,6 +273,6 @@ impl Maker<'_> {
         if !self.sea.displacement {
             (water.x, water.y) = (0.0, 0.0);
         }
-        water + own
+        (water + own).clamp_length_max(FASTEST_MPS)
     }
 }

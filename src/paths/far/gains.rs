@@ -38,7 +38,7 @@ fn rows(axes: Axes) -> [[f32; 3]; 3] {
 impl Outlook {
     /// Of the antennas of a pair at an emission, and at that in the middle of a stretch.
     pub fn of_pair(of: &PathGenerator, plan: &PairPlan, emission: &Emission, middle: &Emission) -> [Self; 2] {
-        let ends = [plan.pair.transmitter, of.radar.transmitters.len() + plan.pair.receiver];
+        let ends = plan.ends(of.radar.transmitters.len());
         [(ends[0], false), (ends[1], true)].map(|(antenna, receives)| {
             Self::of(of, emission, antenna, receives, middle.centres[antenna].position.raw())
         })

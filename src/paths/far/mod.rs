@@ -57,15 +57,17 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 use cells::{AsSeen, Cells, Maker, Matrix, Room};
 use squares::{Search, Split, Square, is_on};
 
-/// Pulses of a stretch, some more than a beam that turns allows.
-pub(crate) const FAR_PULSES: usize = 16;
+/// Pulses of a stretch, at most.
+pub(crate) const FAR_PULSES: usize = 64;
 /// Half the life of a cell, s.
 const SLOT_S: f64 = 1.0;
 /// How much larger than wanted squares may be.
 const COARSEST: f64 = 1_048_576.0;
-/// Slots and lots that are kept.
+/// Slots that are kept.
 const KEPT: usize = 24;
-const MOST_LOTS: usize = 1024;
+/// Lots that are kept, at least, and one for so many cells of a pulse.
+const LEAST_LOTS: usize = 1024;
+const CELLS_OF_LOT: usize = 16;
 /// Pulses of the run at which cells are counted for the forecast.
 const COUNTED: u64 = 5;
 
@@ -152,7 +154,7 @@ impl FarPlan {
             forgets_radps,
             lanes: plan.lanes.modulated_by(waves.strength()),
             slots: Self::no_slots(antennas.len()),
-            lots: Self::no_lots(),
+            lots: Self::no_lots(far.most as usize),
             mean: 0.0,
             in_cell: 0.0,
             seed: scene.seed,
@@ -168,13 +170,17 @@ impl FarPlan {
         }))
     }
 
-    fn no_lots() -> Arc<KeptMany<(i64, Square), Cells>> {
-        Arc::new(KeptMany::new(MOST_LOTS))
+    fn most_lots(most: usize) -> usize {
+        LEAST_LOTS.max(most / CELLS_OF_LOT)
+    }
+
+    fn no_lots(most: usize) -> Arc<KeptMany<(i64, Square), Cells>> {
+        Arc::new(KeptMany::new(Self::most_lots(most)))
     }
 
     /// The same sea seen from other tracks.
     pub fn renewed(&self) -> Self {
-        Self { slots: Self::no_slots(self.lobes.len()), lots: Self::no_lots(), ..self.clone() }
+        Self { slots: Self::no_slots(self.lobes.len()), lots: Self::no_lots(self.most), ..self.clone() }
     }
 
     /// Amplitude at a time of a slot: 0 at the ends of the life.
@@ -211,9 +217,8 @@ impl PathGenerator {
 
     /// What cells that are kept take, at most, bytes.
     pub fn far_bytes(&self) -> u64 {
-        // Lots of half to all of their cells, in lists with as much room again.
         let lot = squares::LOT_CELLS as usize * cells::cell_bytes(self.pairs.len());
-        self.far.as_ref().map_or(0, |_| (MOST_LOTS * lot) as u64)
+        self.far.as_ref().map_or(0, |far| (FarPlan::most_lots(far.most) * lot) as u64)
     }
 
     /// Cells of a pulse for which there is room beforehand.
@@ -371,7 +376,7 @@ impl PathGenerator {
             return;
         }
         for (pair, (plan, seen)) in pairs().enumerate() {
-            let ends = [plan.pair.transmitter, transmitters + plan.pair.receiver];
+            let ends = plan.ends(transmitters);
             let [tx, rx] = ends.map(|end| &emission.centres[end]);
             let (position, velocity) = moved(seen);
             let path = bistatic(LightTime::Exact, tx, position, velocity, rx);

@@ -10,7 +10,8 @@ use glam::DVec3;
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use super::FarPlan;
+use super::cells::FASTEST_MPS;
+use super::{FarPlan, SLOT_S};
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
 use crate::paths::facets::Reception;
@@ -23,8 +24,9 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 /// Half the side of the sea that is split, m, and how often it is: squares of a metre.
 const HALF_M: f64 = 1_048_576.0;
 const DEEPEST: u32 = 42;
-/// What waves raise a cell, and what antennas turn while light crosses a square, m.
-const MARGIN_M: f64 = 20.0;
+/// What waves raise a cell, what it moves in half its life, and what antennas turn while light crosses a
+/// square, m.
+const MARGIN_M: f64 = 20.0 + FASTEST_MPS * SLOT_S;
 /// Widest beam by which squares are found, rad.
 const WIDEST_RAD: f64 = 0.5;
 /// Least horizontal part of the gradient of the way: under an antenna cells of range are wide.
@@ -218,7 +220,7 @@ impl Search<'_> {
         let (of, radius_m) = (self.split.of, radius_m + self.about[0]);
         let (emission, offset_s) = (self.reception.emission, self.reception.offset_s);
         let earth = of.frame.hiding_earth();
-        let ends = [plan.pair.transmitter, of.radar.transmitters.len() + plan.pair.receiver];
+        let ends = plan.ends(of.radar.transmitters.len());
         let centres = ends.map(|end| emission.centres[end].position);
         let ways = centres.map(|centre| place.raw() - centre.raw());
         let lengths_m = ways.map(|way| way.length());

@@ -13,7 +13,7 @@ use std::ops::Range;
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 
-use super::cells::{AsSeen, Cells, Maker, Matrix};
+use super::cells::{AsSeen, Cells, FASTEST_MPS, Maker, Matrix};
 use super::gains::{Outlook, Passes, Towards};
 use super::squares::{Search, Split, Square, is_on};
 use super::{FarPlan, Work};
@@ -33,8 +33,6 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// What antennas turn to either side of the middle of a stretch, over the width of their beams.
 const TURN_WIDTHS: f64 = 0.55;
-/// How fast cells move, m/s, but for few.
-const FASTEST_MPS: f64 = 10.0;
 
 /// Cells side by side that a stretch may see.
 #[derive(Clone)]
@@ -130,11 +128,11 @@ impl PathGenerator {
         stretch.elapsed_s.extend((first..).take(count).map(|index| self.radar.emissions.elapsed_s(index)));
         let elapsed_s = &stretch.elapsed_s[..];
         let middle = first + count as u64 / 2;
-        self.windows_at(first, windows)?;
-        let opens_s = windows.first().map_or(0.0, |window| window.open_s);
         self.windows_at(middle, windows)?;
-        let moves_s = windows.first().map_or(0.0, |window| window.open_s) - opens_s;
-        about[0] += SPEED_OF_LIGHT_MPS * moves_s.abs();
+        stretch.windows.resize_with(stretch.windows.len().max(1), Vec::new);
+        self.windows_at(first, &mut stretch.windows[0])?;
+        let opens_s = windows.iter().zip(&stretch.windows[0]).map(|(a, b)| (a.open_s - b.open_s).abs());
+        about[0] += SPEED_OF_LIGHT_MPS * opens_s.fold(0.0, f64::max);
         about[0] += FASTEST_MPS * 0.5 * (elapsed_s[count - 1] - elapsed_s[0]);
         let reception = &self.reception_of_all(middle, &emissions[count / 2], windows);
         let patch = sea.patch_at(&reception.surroundings, elapsed_s[0]);
@@ -268,7 +266,7 @@ impl Buffers {
 
 impl Making<'_> {
     fn ends(&self, plan: &PairPlan) -> [usize; 2] {
-        [plan.pair.transmitter, self.of.radar.transmitters.len() + plan.pair.receiver]
+        plan.ends(self.of.radar.transmitters.len())
     }
 
     fn middle(&self) -> &Emission {

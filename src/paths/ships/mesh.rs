@@ -155,7 +155,7 @@ impl PathGenerator {
 
     /// A pair at an emission.
     fn pair_at(&self, plan: &PairPlan, emission: &Emission) -> Instant {
-        let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);
+        let [tx, rx] = plan.ends(self.radar.transmitters.len());
         let bases = [tx, rx].map(|antenna| emission.basis(antenna));
         let span_s = self.axes_span_s;
         let change_per_s = if span_s > 0.0 {
@@ -248,7 +248,7 @@ impl PathGenerator {
         (batch, i): (&Batch, usize),
         counts: impl Fn(bool) -> bool,
     ) -> Complex64 {
-        let (tx, rx) = (plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver);
+        let [tx, rx] = plan.ends(self.radar.transmitters.len());
         let [incident, scattered] = batch.directions(i);
         let mut product = Complex64::ONE;
         for (antenna, after_s, towards) in [(tx, 0.0, incident), (rx, batch.delay_s[i], -scattered)] {

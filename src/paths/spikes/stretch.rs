@@ -205,7 +205,7 @@ impl PathGenerator {
         turns.clear();
         for emission in emissions {
             for plan in &self.plans {
-                let ends = [plan.pair.transmitter, self.radar.transmitters.len() + plan.pair.receiver];
+                let ends = plan.ends(self.radar.transmitters.len());
                 let [tx, rx] = ends.map(|end| &emission.centres[end]);
                 let way_m = middle.distance(tx.position.raw()) + middle.distance(rx.position.raw());
                 let delay_s = way_m / SPEED_OF_LIGHT_MPS;
@@ -252,7 +252,7 @@ impl Making<'_> {
     }
 
     fn ends(&self, plan: &PairPlan) -> [usize; 2] {
-        [plan.pair.transmitter, self.of.radar.transmitters.len() + plan.pair.receiver]
+        plan.ends(self.of.radar.transmitters.len())
     }
 
     /// All breakers; `false` once one of them is not smooth.

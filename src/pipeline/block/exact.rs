@@ -6,7 +6,7 @@ use super::{BlockEcho, BlockWork, POINT_PULSES, check};
 use crate::echo::synth::block::Node;
 use crate::paths::block::nodes_within;
 use crate::paths::spikes::stretch::Stretch;
-use crate::paths::{PathGenerator, Workspace};
+use crate::paths::{FAR_PULSES, PathGenerator, Workspace};
 use crate::pipeline::fault::PulseError;
 use crate::pulse::costs::Stage;
 use crate::scene::Patch;
@@ -75,7 +75,7 @@ impl BlockEcho {
         let (at, count) = nodes_within(pulses.len());
         let (nodes, factors) = (&mut work.nodes[..count], &mut work.factors);
         let stretch = (first + pulses.start as u64, pulses.len());
-        if pulses.len() <= POINT_PULSES
+        if pulses.len() <= FAR_PULSES
             && generator.far_sea_of_stretch(stretch, &at[..count], memory, nodes, factors)?
         {
             if nodes[0].is_empty() {
