@@ -7,6 +7,7 @@
 use glam::{DVec2, DVec3};
 use rand::RngExt;
 
+use super::FASTEST_MPS;
 use super::squares::{Found, Split, Square};
 use crate::cpu::Variant;
 use crate::frames::{Enu, Point};
@@ -20,8 +21,6 @@ use crate::scattering::lanes::Batch;
 use crate::scene::sea::Phases;
 use crate::sea::wave_sum::{WAVES, Waters, sin_cos_of_turns};
 
-/// How fast cells move, m/s, at most: nearly forward, lines of a few hertz ask for more.
-pub(super) const FASTEST_MPS: f64 = 10.0;
 /// Slope of what would reflect a ray, over that of the sea, beyond which nothing specular is looked for.
 const STEEPEST: f64 = 7.0;
 

@@ -11,9 +11,9 @@
 //!
 //! A cell runs straight on: with its water, and along the bisector of each pair as fast as one frequency asks
 //! that is drawn from the lines of the waves that scatter ([`crate::scattering::bragg`]). All of it follows
-//! from the seed, the slot and the numbers of the square alone, and is found once, by lots ([`cells`]), in f32
-//! side by side: reference and fast echo share it. Slots of `SLOT_S` overlap by half: a cell
-//! lasts two of them, with the amplitude `sin(pi s)`, so that the powers of both add up to 1 at every time.
+//! from the seed, the slot and the numbers of the square alone, and is found once, by lots ([`cells`]), in
+//! f32 side by side: reference and fast echo share it. Slots of `SLOT_S` overlap by half: a cell lasts two of
+//! them, with the amplitude `sin(pi s)`, so that the powers of both add up to 1 at every time.
 //!
 //! Where there would be more cells at a pulse than are allowed, squares are larger by a power of two that is
 //! the same for all of a slot: the least with which no more than half of them are seen as antennas, beams
@@ -61,6 +61,8 @@ use squares::{Search, Split, Square, is_on};
 pub(crate) const FAR_PULSES: usize = 64;
 /// Half the life of a cell, s.
 const SLOT_S: f64 = 1.0;
+/// How fast cells move, m/s, at most: nearly forward, lines of a few hertz ask for more.
+const FASTEST_MPS: f64 = 10.0;
 /// How much larger than wanted squares may be.
 const COARSEST: f64 = 1_048_576.0;
 /// Slots that are kept.

@@ -10,8 +10,7 @@ use glam::DVec3;
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use super::cells::FASTEST_MPS;
-use super::{FarPlan, SLOT_S};
+use super::{FASTEST_MPS, FarPlan, SLOT_S};
 use crate::frames::{Earth, Enu, Point};
 use crate::geometry::horizon;
 use crate::paths::facets::Reception;

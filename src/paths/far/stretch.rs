@@ -13,10 +13,10 @@ use std::ops::Range;
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 
-use super::cells::{AsSeen, Cells, FASTEST_MPS, Maker, Matrix};
+use super::cells::{AsSeen, Cells, Maker, Matrix};
 use super::gains::{Outlook, Passes, Towards};
 use super::squares::{Search, Split, Square, is_on};
-use super::{FarPlan, Work};
+use super::{FASTEST_MPS, FarPlan, Work};
 use crate::cpu::{Task, Variant};
 use crate::frames::{Enu, Point};
 use crate::geometry::lanes::{End, LANES, Paths, Row, WideRow, lanes_for};
