@@ -228,16 +228,14 @@ impl Search<'_> {
         let Reception { emission, offset_s, axes_span_s, .. } = *self.reception;
         let transmitters = self.of.radar.transmitters.len();
         self.of.plans.iter().any(|plan| {
-            let ends = [plan.pair.transmitter, transmitters + plan.pair.receiver];
+            let ends = plan.ends(transmitters);
             let way = |end: usize| place - emission.centres[end].position.raw();
             let ways = [way(ends[0]), way(ends[1])];
             let lengths_m = [ways[0].length(), ways[1].length()];
             let delay_s = (lengths_m[0] + lengths_m[1]) / SPEED_OF_LIGHT_MPS;
             let slack_s = 2.0 * radius_m / SPEED_OF_LIGHT_MPS;
             let (begin_s, window) = (offset_s + delay_s, self.reception.window(plan));
-            let touches = begin_s - slack_s <= window.close_s + window.guard_s
-                && begin_s + slack_s + window.pulse_s >= window.open_s - window.guard_s;
-            touches
+            window.touches_within(begin_s, slack_s)
                 && (0..2).all(|at| {
                     let axes = emission.axes_after(ends[at], delay_s, axes_span_s);
                     let length_m = lengths_m[at];

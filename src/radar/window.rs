@@ -52,7 +52,13 @@ impl Window {
 
     /// Whether an echo that begins at `begin_s` reaches into the window.
     pub(crate) fn touches(&self, begin_s: f64) -> bool {
-        begin_s <= self.close_s + self.guard_s && begin_s + self.pulse_s >= self.open_s - self.guard_s
+        self.touches_within(begin_s, 0.0)
+    }
+
+    /// Whether one does that begins within `slack_s` of it.
+    pub(crate) fn touches_within(&self, begin_s: f64, slack_s: f64) -> bool {
+        begin_s - slack_s <= self.close_s + self.guard_s
+            && begin_s + slack_s + self.pulse_s >= self.open_s - self.guard_s
     }
 
     /// How much an echo that begins at `begin_s` counts: 1 where a part of it lies in the window, else the

@@ -95,11 +95,11 @@ pub(super) struct Maker<'a> {
 impl Maker<'_> {
     /// All cells of a lot.
     pub fn lot(&self, lot: Square, room: &mut Room) -> Cells {
-        let room_for = |count: usize| Cells {
+        let count = self.split.count(lot);
+        let mut cells = Cells {
             places: Vec::with_capacity(count),
             pairs: self.split.of.plans.iter().map(|_| AsSeen::with_capacity(count)).collect(),
         };
-        let mut cells = room_for(self.split.count(lot));
         self.split.cells(lot, &mut |found| {
             self.add(found, room, &mut cells);
             true

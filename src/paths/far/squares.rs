@@ -226,9 +226,7 @@ impl Search<'_> {
         let delay_s = (lengths_m[0] + lengths_m[1]) / SPEED_OF_LIGHT_MPS;
         let slack_s = 2.0 * radius_m / SPEED_OF_LIGHT_MPS;
         let (begin_s, window) = (offset_s + delay_s, self.reception.window(plan));
-        let touches = begin_s - slack_s <= window.close_s + window.guard_s
-            && begin_s + slack_s + window.pulse_s >= window.open_s - window.guard_s;
-        touches
+        window.touches_within(begin_s, slack_s)
             && (0..2).all(|n| {
                 let height_m = horizon::height_m(earth, centres[n]);
                 let farthest_m = horizon::distance_m(earth, [height_m, horizon::POINT_EDGE_M]);
