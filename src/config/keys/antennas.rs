@@ -55,7 +55,7 @@ tables! {
         HEIGHT_TAPER "height_taper", Choice(words::<ApertureTaperKind>), Word("uniform"), "rectangle: the same along the height.";
         SIDELOBE_DB "sidelobe_db", number("dB", 20.0, 50.0), default(30.0), "rectangle with a taper of \"taylor\": side lobes below the peak.";
         DIAMETER_M "diameter_m", above("m", 0.0, 1e4), Required, "circle: diameter.";
-        PATH "path", File, Required, "file: CSV, columns az_deg,el_deg,gain_dbi[,phase_deg] on a regular grid; azimuth positive to the left of the boresight (+y), elevation positive up.";
+        PATH "path", File, Required, "file: CSV, columns az_deg,el_deg,gain_dbi[,phase_deg] on a regular grid; azimuth positive to the left of the boresight (+y), elevation positive up. Or two cuts of Planet (.msi, .pln, .pla), or cuts of GRASP (.cut): docs/scanning.md#measured-patterns.";
         FLOOR_DBI "floor_dbi", number("dBi", -400.0, 200.0), default(-60.0), "file: gain outside the grid.";
     }
     clock "[transmitter.clock] and [receiver.clock]" "Clock error: reading minus the time of the run. Delays and phases are those of the difference of both ends." {
