@@ -23,7 +23,6 @@ use super::overheard::Overheard;
 use crate::fidelity::budget::Plan;
 use crate::fidelity::echo_settings::EchoSettings;
 use crate::motion::PlatformTracks;
-use crate::paths::FAR_PULSES;
 use crate::paths::list::ScattererPaths;
 use crate::paths::snapshot::Snapshot;
 use crate::paths::{BeyondHorizon, PathGenerator};
@@ -263,10 +262,8 @@ impl PulseFactory {
         let generator = self.generator();
         let cells = generator.far_cells().map_or(0.0, |(cells, _)| cells);
         let sizes = [self.layout.pairs, self.echo_channels()];
-        // Factors twice in f64, by batches and by pulses.
-        let pulses = FAR_PULSES.min(self.block_pulses() as usize);
-        let factors = (2 * size_of::<f64>() * self.layout.pairs * pulses) as u64;
-        let each = memory::path_bytes(sizes, self.echo.needs().lists, pulses) + factors;
+        // Of a pulse by itself: those of stretches are gathered by tiles.
+        let each = memory::path_bytes(sizes, self.echo.needs().lists, 1);
         generator
             .far_bytes()
             .saturating_add((cells as u64).saturating_mul(each.saturating_mul(threads as u64)))

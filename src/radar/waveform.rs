@@ -47,6 +47,7 @@ mod triangular;
 
 use std::f64::consts::PI;
 use std::fmt;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -90,6 +91,11 @@ pub trait Waveform: Send + Sync {
     /// `P(f)`, seconds, at any baseband frequency.
     fn spectrum(&self, f_hz: f64) -> Complex64;
 
+    /// [`Self::spectrum`] at many frequencies.
+    fn spectra(&self, f_hz: &[f64], out: &mut [Complex64]) {
+        out.iter_mut().zip(f_hz).for_each(|(out, f_hz)| *out = self.spectrum(*f_hz));
+    }
+
     /// `p(t)`, dimensionless.
     fn sample(&self, t_s: f64) -> Complex64;
 
@@ -101,6 +107,11 @@ pub trait Waveform: Send + Sync {
     /// What an emission radiates where no two are alike; `None` where all are this pulse.
     fn of_emission(&self, _emission: u64) -> Option<Arc<dyn Waveform>> {
         None
+    }
+
+    /// [`Self::of_emission`] of the first of these and of as many more as are found with it.
+    fn of_emissions(&self, emissions: Range<u64>) -> Vec<Arc<dyn Waveform>> {
+        self.of_emission(emissions.start).into_iter().collect()
     }
 
     /// Whether no two emissions are alike ([`Self::of_emission`]).

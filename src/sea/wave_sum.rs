@@ -29,11 +29,12 @@ use crate::scene::water::Dispersion;
 
 /// Waves.
 pub const WAVES: usize = 192;
-/// Sums of them at a place, and lanes in which they are summed.
+/// Sums of them at a place: of cosines or of sines, and lanes in which they are summed.
 const SUMS: usize = 9;
-const LANES: usize = 16;
-/// Adding it rounds a number below `2^51` to the nearest integer.
-const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
+const PARTS: usize = 6;
+const LANES: usize = 8;
+/// Adding it rounds a number below `2^22` to the nearest integer.
+const TO_INTEGER: f32 = 12_582_912.0;
 /// Longest wave, m.
 const LONGEST_M: f64 = 2000.0;
 /// Cells from the longest to the shortest wave, and around.
@@ -174,36 +175,71 @@ impl WaveSum {
         }
     }
 
-    /// What the sea is at a place, m, and a time after pulse 0, s; with other phases, turns of each wave, of
-    /// a sea that has no more in common with it than its spectrum.
-    pub fn at(&self, place_m: [f64; 2], t_s: f64, phases: Option<&[f64; WAVES]>) -> Waters {
-        let sums = Variant::fastest().run(Sums { of: &self.rows, place_m, t_s, phases });
-        let [height, sx, sy, u, v, w, xx, yy, xy] = sums.map(f64::from);
+    /// What the sea is at a place, m, and a time after pulse 0, s.
+    pub fn at(&self, place_m: [f64; 2], t_s: f64) -> Waters {
+        self.beside(&self.about(place_m, t_s), place_m)
+    }
+
+    /// The waves about a place, m, at a time after pulse 0, s.
+    pub fn about(&self, middle_m: [f64; 2], t_s: f64) -> Nearby {
+        let mut turns = [0.0; WAVES];
+        for (turns, wave) in turns.iter_mut().zip(&self.waves) {
+            let phase_rad = wave.k[0] * middle_m[0] + wave.k[1] * middle_m[1] - wave.omega_radps * t_s;
+            // Far away, waves have thousands of turns.
+            let all = (phase_rad + wave.phase_rad) / TAU;
+            *turns = (all - all.round()) as f32;
+        }
+        Nearby { middle_m, turns }
+    }
+
+    /// What the sea is at a place, m, near another: rounded by 1e-7 of the waves between both.
+    pub fn beside(&self, nearby: &Nearby, place_m: [f64; 2]) -> Waters {
+        let away_m = [0, 1].map(|i| (place_m[i] - nearby.middle_m[i]) as f32);
+        let sums = match Variant::fastest() {
+            Variant::Portable => Sums::<false> { of: &self.rows, turns: &nearby.turns, away_m }.run(),
+            variant => variant.run(Sums::<true> { of: &self.rows, turns: &nearby.turns, away_m }),
+        };
+        let [height, u, v, sx, sy, w, xx, yy, xy] = sums.map(f64::from);
         Waters { height_m: height, slope: [sx, sy], velocity_mps: [u, v, w], strain: [xx, yy, xy] }
     }
 }
 
-/// The waves as rows: phases in turns, and what cosine and sine of a phase add to each sum.
+/// Phases of the waves at a place and a time.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearby {
+    middle_m: [f64; 2],
+    /// From -1/2 to 1/2.
+    turns: [f32; WAVES],
+}
+
+impl Nearby {
+    /// The same of a sea that has no more in common with it than its spectrum: with other phases, turns.
+    pub fn with_phases(&self, mut phases: impl FnMut() -> f32) -> Self {
+        Self { turns: self.turns.map(|_| phases() - 0.5), ..*self }
+    }
+}
+
+/// The waves as rows: turns a metre along x and y, and what cosine and sine of a phase add to sums.
 #[derive(Clone, Debug, PartialEq)]
 struct Rows {
-    /// Turns a metre along x and y, a second, and at the start.
-    turns: [[f64; WAVES]; 4],
-    cosines: [[f32; WAVES]; SUMS],
-    sines: [[f32; WAVES]; SUMS],
+    turns_per_m: [[f32; WAVES]; 2],
+    /// Of height, horizontal velocities and modulation.
+    cosines: [[f32; WAVES]; PARTS],
+    /// Of slopes, vertical velocity and modulation.
+    sines: [[f32; WAVES]; PARTS],
 }
 
 impl Rows {
     fn new(waves: &[Wave]) -> Self {
-        let mut rows =
-            Self { turns: [[0.0; WAVES]; 4], cosines: [[0.0; WAVES]; SUMS], sines: [[0.0; WAVES]; SUMS] };
+        let empty = [[0.0; WAVES]; PARTS];
+        let mut rows = Self { turns_per_m: [[0.0; WAVES]; 2], cosines: empty, sines: empty };
         for (n, wave) in waves.iter().enumerate().take(WAVES) {
             let ([kx, ky], a, omega) = (wave.k, wave.amplitude_m, wave.omega_radps);
-            let turns = [kx / TAU, ky / TAU, -omega / TAU, wave.phase_rad / TAU];
-            rows.turns.iter_mut().zip(turns).for_each(|(row, own)| row[n] = own);
+            rows.turns_per_m.iter_mut().zip([kx, ky]).for_each(|(row, k)| row[n] = (k / TAU) as f32);
             let level = a * wave.excursion * omega / kx.hypot(ky);
             let [xx, yy, xy] = wave.modulation;
-            let cosines = [a, 0.0, 0.0, kx * level, ky * level, 0.0, a * xx[0], a * yy[0], a * xy[0]];
-            let sines = [0.0, -kx * a, -ky * a, 0.0, 0.0, omega * a, -a * xx[1], -a * yy[1], -a * xy[1]];
+            let cosines = [a, kx * level, ky * level, a * xx[0], a * yy[0], a * xy[0]];
+            let sines = [-kx * a, -ky * a, omega * a, -a * xx[1], -a * yy[1], -a * xy[1]];
             rows.cosines.iter_mut().zip(cosines).for_each(|(row, own)| row[n] = own as f32);
             rows.sines.iter_mut().zip(sines).for_each(|(row, own)| row[n] = own as f32);
         }
@@ -211,46 +247,56 @@ impl Rows {
     }
 }
 
-/// Height, slopes, velocities, modulation at a place.
-struct Sums<'a> {
-    of: &'a Rows,
-    place_m: [f64; 2],
-    t_s: f64,
-    phases: Option<&'a [f64; WAVES]>,
+/// `a b + c`.
+#[inline(always)]
+fn product<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
+    if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
-impl Task for Sums<'_> {
+/// Height, horizontal velocities, slopes, vertical velocity, modulation at a place; with fused products or
+/// without.
+struct Sums<'a, const FUSED: bool> {
+    of: &'a Rows,
+    turns: &'a [f32; WAVES],
+    away_m: [f32; 2],
+}
+
+impl<const FUSED: bool> Task for Sums<'_, FUSED> {
     type Output = [f32; SUMS];
 
     // Lanes are counted: so they become vectors.
     #[inline(always)]
     #[allow(clippy::needless_range_loop)]
     fn run(self) -> [f32; SUMS] {
-        let Self { of, place_m: [x, y], t_s, phases } = self;
-        let [along_x, along_y, along_t, start] = &of.turns;
-        let (mut cosine, mut sine) = ([0.0f32; WAVES], [0.0f32; WAVES]);
-        for n in 0..WAVES {
-            // Far away, waves have thousands of turns.
-            let turns = along_x[n] * x + along_y[n] * y + along_t[n] * t_s + start[n];
-            let turns = turns + phases.map_or(0.0, |phases| phases[n]);
-            let rest = (turns - ((turns + TO_INTEGER) - TO_INTEGER)) as f32;
-            (sine[n], cosine[n]) = sin_cos_of_turns(rest);
-        }
-        let mut sums = [0.0f32; SUMS];
-        for s in 0..SUMS {
-            let (cosines, sines) = (&of.cosines[s], &of.sines[s]);
-            let mut lanes = [0.0f32; LANES];
-            for group in 0..WAVES / LANES {
+        let Self { of: Rows { turns_per_m: [along_x, along_y], cosines, sines }, turns, away_m: [x, y] } =
+            self;
+        // Of cosines, of sines, of both.
+        let mut sums = [[[0.0f32; LANES]; 3]; 3];
+        for group in 0..WAVES / LANES {
+            let (mut cosine, mut sine) = ([0.0f32; LANES], [0.0f32; LANES]);
+            for lane in 0..LANES {
+                let n = group * LANES + lane;
+                let own = product::<FUSED>(along_y[n], y, product::<FUSED>(along_x[n], x, turns[n]));
+                let rest = own - ((own + TO_INTEGER) - TO_INTEGER);
+                (sine[lane], cosine[lane]) = sin_cos_of_turns(rest);
+            }
+            for s in 0..3 {
                 for lane in 0..LANES {
                     let n = group * LANES + lane;
-                    lanes[lane] += cosines[n] * cosine[n] + sines[n] * sine[n];
+                    sums[0][s][lane] = product::<FUSED>(cosines[s][n], cosine[lane], sums[0][s][lane]);
+                    sums[1][s][lane] = product::<FUSED>(sines[s][n], sine[lane], sums[1][s][lane]);
+                    let both = product::<FUSED>(cosines[3 + s][n], cosine[lane], sums[2][s][lane]);
+                    sums[2][s][lane] = product::<FUSED>(sines[3 + s][n], sine[lane], both);
                 }
             }
+        }
+        let mut out = [0.0; SUMS];
+        for (sum, lanes) in out.iter_mut().zip(sums.as_flattened()) {
             for lane in 0..LANES {
-                sums[s] += lanes[lane];
+                *sum += lanes[lane];
             }
         }
-        sums
+        out
     }
 }
 
@@ -312,7 +358,7 @@ mod tests {
             let waves = WaveSum::new(&spectrum, dispersion, facet_m, Some(1.0), seed);
             for n in 0..places {
                 let place_m = [f64::from(n) * 173.0, f64::from(n % 7) * 311.0];
-                let Waters { height_m, slope, velocity_mps, .. } = waves.at(place_m, f64::from(n), None);
+                let Waters { height_m, slope, velocity_mps, .. } = waves.at(place_m, f64::from(n));
                 let of = [height_m, slope[0], slope[1], velocity_mps[2]];
                 let share = 1.0 / (seeds as f64 * f64::from(places));
                 found.iter_mut().zip(of).for_each(|(sum, own)| *sum += share * own * own);
@@ -323,21 +369,37 @@ mod tests {
         assert!(found.iter().zip(expected).all(|(found, expected)| (found / expected - 1.0).abs() < 0.12));
     }
 
+    /// Beside a place as at the place itself.
+    #[test]
+    fn places_nearby_are_those_far_from_it() {
+        let wind = Wind::from_speed(8.0, 10.0, WindProfile::Cardone, 0.0).unwrap();
+        let spectrum = Elfouhaily::new(&wind, Development::InverseWaveAge(0.84)).unwrap();
+        let waves = WaveSum::new(&spectrum, Dispersion::default(), 2.0, Some(1.0), 9);
+        let nearby = waves.about([20_000.0, -13_000.0], 77.0);
+        for n in 0..100 {
+            let place_m = [20_000.0 + 7.0 * f64::from(n), -13_000.0 - 3.0 * f64::from(n)];
+            let (one, other) = (waves.beside(&nearby, place_m), waves.at(place_m, 77.0));
+            assert!((one.height_m - other.height_m).abs() < 1e-3 * waves.height_rms_m(), "{n}");
+            let off = [0, 1].map(|i| (one.slope[i] - other.slope[i]).abs() / waves.slope_rms([1.0, 0.0]));
+            assert!(off[0].max(off[1]) < 3e-3, "{n}: {off:?}");
+        }
+    }
+
     /// What is seen at a place is seen a wave's way further, later: swell travels at its phase speed.
     #[test]
     fn swell_travels_at_its_phase_speed() {
         let wind = Wind::from_speed(5.0, 10.0, WindProfile::Cardone, 0.0).unwrap();
         let spectrum = Elfouhaily::new(&wind, Development::InverseWaveAge(0.84)).unwrap();
         let waves = WaveSum::new(&spectrum, Dispersion::default(), 4.0, None, 5);
-        let rows = Rows::new(&waves.waves[..1]);
-        let one = WaveSum { rows, ..waves.clone() };
+        let one =
+            WaveSum { rows: Rows::new(&waves.waves[..1]), waves: waves.waves[..1].to_vec(), ..waves.clone() };
         let [kx, ky] = waves.waves[0].k;
         let (k, omega) = (kx.hypot(ky), waves.waves[0].omega_radps);
         let [x, y] = [1234.0, -567.0];
         let (t_s, later_s) = (3.0, 4.5);
         let way_m = omega / k * (later_s - t_s);
-        let there = one.at([x + kx / k * way_m, y + ky / k * way_m], later_s, None);
-        let here = one.at([x, y], t_s, None);
+        let there = one.at([x + kx / k * way_m, y + ky / k * way_m], later_s);
+        let here = one.at([x, y], t_s);
         assert!((there.height_m - here.height_m).abs() < 1e-4 * waves.waves[0].amplitude_m);
         assert!((omega / k - (9.81 / k).sqrt()).abs() < 0.01 * omega / k);
     }

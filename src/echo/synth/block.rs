@@ -27,7 +27,7 @@ pub use super::frame::{Frame, Receives};
 use super::grid::{FAR_CELLS, Lined};
 use super::scalar::Scalar;
 use super::spread::{DelayPolynomials, Emitted, TICKS};
-use super::{Settings, Synth, SynthError};
+use super::{Bin, Settings, Synth, SynthError};
 use crate::echo::reference::of_window;
 use crate::paths::list::ScattererPaths;
 use crate::radar::waveform::Waveform;
@@ -36,6 +36,8 @@ use crate::radar::waveform::Waveform;
 pub const MAX_PULSES: usize = 1024;
 /// Pulses of a block for which there is room beforehand.
 const FEW_PULSES: usize = 64;
+/// Bins whose spectra are asked for together.
+const TOGETHER: usize = 64;
 /// Most nodes of a block.
 pub const MAX_NODES: usize = 4;
 /// Cells that a scatterer path may move within half a block.
@@ -552,19 +554,25 @@ impl<T: Scalar> Synth<T> {
         out.resize_with(self.layers.len(), Vec::new);
         for (layer, replica) in self.layers.iter().zip(out) {
             let mean_hz = mean_hz.get(layer.pair).copied().unwrap_or(0.0);
+            let at =
+                |bin: &Bin| doppler::stretched(self.settings.envelope, self.carrier_hz, bin.f_hz, mean_hz);
             replica.clear();
-            replica.extend(self.bins.iter().map(|bin| {
-                let (f_hz, factor) =
-                    doppler::stretched(self.settings.envelope, self.carrier_hz, bin.f_hz, mean_hz);
-                let pulse = if layer.moment {
-                    // Amplitudes are times the length of a pulse.
-                    let of = (bin.f_hz, f_hz);
-                    correction.moment(waveform, of, mean_hz) / waveform.duration_s()
-                } else {
-                    waveform.spectrum(f_hz)
-                };
-                pulse * bin.origin * (factor * bin.gain)
-            }));
+            replica.resize(self.bins.len(), Complex64::ZERO);
+            if layer.moment {
+                // Amplitudes are times the length of a pulse.
+                let of = |bin: &Bin| correction.moment(waveform, (bin.f_hz, at(bin).0), mean_hz);
+                let lasts_s = waveform.duration_s();
+                replica.iter_mut().zip(&self.bins).for_each(|(pulse, bin)| *pulse = of(bin) / lasts_s);
+            } else {
+                for (bins, pulse) in self.bins.chunks(TOGETHER).zip(replica.chunks_mut(TOGETHER)) {
+                    let mut f_hz = [0.0; TOGETHER];
+                    f_hz.iter_mut().zip(bins).for_each(|(f_hz, bin)| *f_hz = at(bin).0);
+                    waveform.spectra(&f_hz[..bins.len()], pulse);
+                }
+            }
+            for (pulse, bin) in replica.iter_mut().zip(&self.bins) {
+                *pulse = *pulse * bin.origin * (at(bin).1 * bin.gain);
+            }
         }
     }
 

@@ -233,9 +233,11 @@ impl<T: Scalar, const FUSED: bool, const W: usize, const TURNED: bool, const UNE
             if !TURNED {
                 if let Some(factors) = factors {
                     weigh(factors, cos, sin);
+                    leave_out(factors, &mut passes.cell[..count]);
                 }
             } else if let (Some(re), Some(im), Some(factors)) = (turned(0), turned(1), factors) {
                 turn(re, im, factors, cos, sin);
+                leave_out(factors, &mut passes.cell[..count]);
             }
         }
     }
@@ -281,6 +283,14 @@ impl<T: Scalar, const FUSED: bool, const W: usize, const C: usize, const P: usiz
 fn weigh<T: Scalar>(factors: &[T], cos: &mut [T], sin: &mut [T]) {
     for ((factor, cos), sin) in factors.iter().zip(cos).zip(sin) {
         (*cos, *sin) = (*cos * *factor, *sin * *factor);
+    }
+}
+
+/// Takes what nothing is left of beyond all cells, where it is passed over.
+#[inline(always)]
+fn leave_out<T: Scalar>(factors: &[T], cell: &mut [i32]) {
+    for (factor, cell) in factors.iter().zip(cell) {
+        *cell = if *factor == T::default() { i32::MAX } else { *cell };
     }
 }
 

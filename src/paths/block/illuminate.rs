@@ -319,7 +319,7 @@ impl PathGenerator {
     }
 
     /// What the batch returns between the ports of every channel of a pair, scaled.
-    fn combine(
+    pub(in crate::paths) fn combine(
         &self,
         variant: Variant,
         plan: &PairPlan,

@@ -68,6 +68,18 @@ impl Instants {
         instants
     }
 
+    /// Some pulses of a block, with a node and a scattering epoch at the first and at the last of them.
+    pub(super) fn between(pulses: Range<usize>) -> Self {
+        let last = pulses.end.saturating_sub(1);
+        let mut instants = Self { pulses: pulses.end, gain_pulses: 1, ..Self::default() };
+        for pulse in [pulses.start, last].into_iter().take(if last > pulses.start { 2 } else { 1 }) {
+            instants.nodes[instants.node_count] = pulse;
+            instants.node_count += 1;
+            instants.add_epoch(pulse);
+        }
+        instants
+    }
+
     fn add_epoch(&mut self, pulse: usize) {
         self.epochs[self.epoch_count.min(EPOCHS - 1)] = pulse;
         self.epoch_count += 1;

@@ -77,7 +77,7 @@ use crate::scattering::lanes::{Batch, LandRows};
 use crate::scene::Patch;
 use crate::sea::surface::{Fields, Selection};
 
-pub(in crate::paths) use epoch::{InRain, OnRays, OntoPorts, Scale, View, port_products};
+pub(in crate::paths) use epoch::{OnRays, OntoPorts, Scale, View};
 use forgetting::Forgetting;
 pub use forgetting::{FACET_BYTES as FORGETTING_BYTES, ROOM_BYTES as FORGETTING_ROOM_BYTES};
 pub(in crate::paths) use gain::Sight;
@@ -91,7 +91,6 @@ use phasors::Phasors;
 use runs::{Cut, Run};
 use shadows::{Heights, Maker, ShadowWeights};
 pub use slow_time::SlowTime;
-use supports::SupportSets;
 pub use supports::{Supports, TAPS};
 use surface::NodeSurface;
 use tile::compact;
@@ -220,11 +219,15 @@ impl PathGenerator {
         fine: Fine,
     ) -> Option<Box<TileWork>> {
         let sea = self.sea.as_ref()?;
+        let interval_s = self.radar.emissions.mean_pri_s();
+        sea.tile_work(variant, &self.groups_of_pairs(), interval_s, borders, fine).map(Box::new)
+    }
+
+    /// Groups of the channels of every pair, by their transmit polarisation.
+    pub(in crate::paths) fn groups_of_pairs(&self) -> Vec<Vec<u8>> {
         let of = &self.radar.tx_polarisation;
         let groups = |plan: &PairPlan| plan.channels.iter().map(|(_, tx, _)| of.group(Some(*tx))).collect();
-        let channels: Vec<Vec<u8>> = self.plans.iter().map(groups).collect();
-        let interval_s = self.radar.emissions.mean_pri_s();
-        sea.tile_work(variant, &channels, interval_s, borders, fine).map(Box::new)
+        self.plans.iter().map(groups).collect()
     }
 
     /// Makes the sea of a block ready: its surface at the nodes, shadows, antennas. Returns what a sample of
@@ -385,15 +388,7 @@ impl SeaPlan {
             turning: Turning::default(),
             seen: Vec::new(),
             dims: Vec::new(),
-            tile: Tile {
-                count: 0,
-                tier: Tier::Mainlobe,
-                instants: Instants::default(),
-                interval_s,
-                pairs: channels.iter().map(|groups| Pair::new(groups)).collect(),
-                slow: SlowTime::default(),
-                supports: SupportSets::default(),
-            },
+            tile: Tile::new(interval_s, channels),
         })
     }
 

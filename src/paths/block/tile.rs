@@ -3,6 +3,8 @@
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
 
+use std::ops::Range;
+
 use num_complex::Complex32;
 
 use super::instants::{Instants, Tier};
@@ -411,6 +413,37 @@ impl Tile {
     }
 }
 
+impl Tile {
+    /// Room for scatterers, of channels of some groups by pair, from pulse to pulse of so many seconds.
+    pub(in crate::paths) fn new(interval_s: f64, channels: &[Vec<u8>]) -> Self {
+        Self {
+            count: 0,
+            tier: Tier::Mainlobe,
+            instants: Instants::default(),
+            interval_s,
+            pairs: channels.iter().map(|groups| Pair::new(groups)).collect(),
+            slow: SlowTime::default(),
+            supports: SupportSets::default(),
+        }
+    }
+
+    /// Takes some pulses of its block, with a node and a scattering epoch at the first and at the last.
+    pub(in crate::paths) fn take(&mut self, pulses: Range<usize>) {
+        self.instants = Instants::between(pulses.clone());
+        for pair in &mut self.pairs {
+            pair.resize(2, 2, pulses.end.max(pair.factor.len()));
+            (pair.node_count, pair.epoch_count) = (self.instants.node_count, self.instants.epoch_count);
+        }
+    }
+}
+
+impl Pair {
+    /// A node and the scattering epoch that is there.
+    pub(in crate::paths) fn at_node(&mut self, node: usize) -> Option<(&mut Paths, &mut Epoch)> {
+        Some((&mut *self.nodes.get_mut(node)?.paths, self.epochs.get_mut(node)?))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -437,16 +470,7 @@ mod tests {
                 }
             }
             let instants = Instants::of_block(0, 1, 1, 1);
-            let pairs = vec![pair];
-            let mut tile = Tile {
-                count: 250,
-                tier: Tier::Mainlobe,
-                instants,
-                interval_s: 1.0,
-                slow: SlowTime::default(),
-                supports: SupportSets::default(),
-                pairs,
-            };
+            let mut tile = Tile { count: 250, instants, pairs: vec![pair], ..Tile::new(1.0, &[]) };
             let mut tally = Tally::default();
             let (samples, mut shown) = ([Sample::default()], Vec::new());
             assert!(tile.thin_out(Variant::fastest(), (&samples, 0.0), &mut tally, &mut shown));

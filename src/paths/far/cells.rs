@@ -19,7 +19,7 @@ use crate::rng::{self, stream};
 use crate::scattering::bragg::Mechanism;
 use crate::scattering::lanes::Batch;
 use crate::scene::sea::Phases;
-use crate::sea::wave_sum::{WAVES, Waters, sin_cos_of_turns};
+use crate::sea::wave_sum::{Nearby, Waters, sin_cos_of_turns};
 
 /// Slope of what would reflect a ray, over that of the sea, beyond which nothing specular is looked for.
 const STEEPEST: f64 = 7.0;
@@ -100,16 +100,17 @@ impl Maker<'_> {
             places: Vec::with_capacity(count),
             pairs: self.split.of.plans.iter().map(|_| AsSeen::with_capacity(count)).collect(),
         };
+        let nearby = self.split.plan.waves.about(lot.middle_m(), self.middle_s);
         self.split.cells(lot, &mut |found| {
-            self.add(found, room, &mut cells);
+            self.add(found, &nearby, room, &mut cells);
             true
         });
         self.finish(room, &mut cells);
         cells
     }
 
-    /// Takes one more, and finds those taken so far when there is no more room.
-    pub fn add(&self, found: Found, room: &mut Room, cells: &mut Cells) {
+    /// Takes one more, in waves that are known nearby, and finds those taken so far when there is no room.
+    pub fn add(&self, found: Found, nearby: &Nearby, room: &mut Room, cells: &mut Cells) {
         if room.drawn.len() == LANES {
             self.finish(room, cells);
         }
@@ -118,7 +119,7 @@ impl Maker<'_> {
             (im[i], re[i]) = sin_cos_of_turns(turns);
         }
         let [x, y] = found.place_m;
-        let waters = self.waters(&found);
+        let waters = self.waters(&found, nearby);
         let earth = self.split.of.frame.earth();
         let fall = earth.drop_slope(x, y);
         for ((row, own), fall) in room.batch.slope.iter_mut().zip(waters.slope).zip(fall) {
@@ -131,15 +132,13 @@ impl Maker<'_> {
         room.drawn.push(Drawn { found, place, waters });
     }
 
-    fn waters(&self, found: &Found) -> Waters {
+    fn waters(&self, found: &Found, nearby: &Nearby) -> Waters {
         let plan = self.split.plan;
         if plan.texture {
-            return plan.waves.at(found.place_m, self.middle_s, None);
+            return plan.waves.beside(nearby, found.place_m);
         }
         let mut rng = stream(plan.seed, rng::Room::FarWave, found.waves, 1);
-        let mut phases = [0.0; WAVES];
-        phases.fill_with(|| rng.random());
-        plan.waves.at(found.place_m, self.middle_s, Some(&phases))
+        plan.waves.beside(&nearby.with_phases(|| rng.random()), found.place_m)
     }
 
     /// Finds what was taken, by every pair.

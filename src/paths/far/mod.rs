@@ -112,8 +112,8 @@ pub(super) struct Work {
 }
 
 impl Work {
-    fn new(sea: &SeaPlan, pairs: usize) -> Self {
-        Self { room: Room::new(sea), stretch: stretch::Buffers::new(pairs), outlooks: Vec::new() }
+    fn new(sea: &SeaPlan, of: &PathGenerator) -> Self {
+        Self { room: Room::new(sea), stretch: stretch::Buffers::new(of), outlooks: Vec::new() }
     }
 }
 
@@ -315,7 +315,7 @@ impl PathGenerator {
     ) -> Result<(), RadarError> {
         let (Some(plan), Some(sea)) = (&self.far, &self.sea) else { return Ok(()) };
         let elapsed_s = reception.elapsed_s;
-        let room = &mut room.get_or_insert_with(|| Work::new(sea, self.plans.len())).room;
+        let room = &mut room.get_or_insert_with(|| Work::new(sea, self)).room;
         let patch = sea.patch_at(&reception.surroundings, elapsed_s);
         let patch = &patch.map_err(|failure| self.sea_error(index, SeaFailure::from(failure)))?;
         for slot in FarPlan::slots_at(elapsed_s) {
@@ -346,7 +346,8 @@ impl PathGenerator {
             search.seen_cells(&mut |found| {
                 number += 1;
                 if number % every == 0 {
-                    maker.add(found, room, &mut cells);
+                    let nearby = plan.waves.about(found.place_m, middle_s);
+                    maker.add(found, &nearby, room, &mut cells);
                 }
                 true
             });

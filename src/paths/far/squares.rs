@@ -70,6 +70,11 @@ impl Square {
         [0, 1].map(|i| f64::from(self.at[i]) * sides_m[i] - HALF_M)
     }
 
+    pub fn middle_m(self) -> [f64; 2] {
+        let (low_m, sides_m) = (self.low_m(), self.sides_m());
+        [0, 1].map(|i| low_m[i] + 0.5 * sides_m[i])
+    }
+
     fn half(self, upper: u32) -> Self {
         let mut at = self.at;
         let axis = (self.level % 2) as usize;
@@ -145,8 +150,7 @@ impl Split<'_> {
     }
 
     fn middle(&self, square: Square) -> Point<Enu> {
-        let (low_m, sides_m) = (square.low_m(), square.sides_m());
-        self.surface([0, 1].map(|i| low_m[i] + 0.5 * sides_m[i]))
+        self.surface(square.middle_m())
     }
 
     /// Cells of a lot.

@@ -1,17 +1,23 @@
-//! The far sea over a stretch of pulses: exact paths at its nodes, and in between only what changes fast.
+//! The far sea over a stretch of pulses: tiles of cells, exact at both ends of it.
 //!
-//! Cells run straight on, so that delays and amplitudes are cubics through the nodes, as those of breaking
-//! waves are ([`crate::paths::spikes::stretch`], by whose limits a stretch is made shorter). Gains,
+//! Cells run straight on, so that delays are cubics between nodes and amplitudes straight lines. Gains,
 //! envelopes, horizons and main lobes ([`super::gains`]) are found at every pulse and multiply the amplitude.
-//! Cells are gathered from their lots, as many as are side by side at a time.
+//! Cells are gathered from their lots, as many as are side by side at a time, and handed over as a tile.
+//!
+//! A tile is exact at both ends of a half where
+//!
+//! - a direction turns by more than [`turns`] allows: amplitudes are straight lines within 1e-4 then;
+//! - a cubic may leave more than `PHASE_RAD` of the phase: `9 r d^4/384`, `r` the way and `d` the turn;
+//!
+//! and all tiles of a stretch are where antennas turn far, or where the cubic misses one of them halfway.
 
 // Lanes are counted: so they become vectors.
 #![allow(clippy::needless_range_loop)]
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use glam::DVec3;
-use num_complex::{Complex32, Complex64};
 
 use super::cells::{AsSeen, Cells, Maker, Matrix};
 use super::gains::{Outlook, Passes, Towards};
@@ -19,20 +25,22 @@ use super::squares::{Search, Split, Square, is_on};
 use super::{FASTEST_MPS, FarPlan, Work};
 use crate::cpu::{Task, Variant};
 use crate::frames::{Enu, Point};
-use crate::geometry::lanes::{End, LANES, Paths, Row, WideRow, lanes_for};
-use crate::paths::block::{InRain, NODES, OnRays, OntoPorts, Scale, SlowTime, View, port_products};
+use crate::geometry::lanes::{End, LANES, Paths, Row, WideRow};
+use crate::paths::block::{OnRays, OntoPorts, Scale, Tile, View};
 use crate::paths::emission::Emission;
 use crate::paths::facets::Reception;
-use crate::paths::list::ScattererPaths;
 use crate::paths::sea::SeaFailure;
-use crate::paths::spikes::stretch::{PHASE_RAD, Slopes, turns};
+use crate::paths::spikes::stretch::{PHASE_RAD, turns};
 use crate::paths::{PairPlan, PathGenerator, Workspace};
+use crate::pulse::costs::Stage;
 use crate::radar::fault::RadarError;
 use crate::scattering::lanes::Batch;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// What antennas turn to either side of the middle of a stretch, over the width of their beams.
 const TURN_WIDTHS: f64 = 0.55;
+/// The same, rad: amplitudes are straight lines within 1e-4.
+const TURN_RAD: f64 = 0.014;
 
 /// Cells side by side that a stretch may see.
 #[derive(Clone)]
@@ -54,25 +62,21 @@ struct LitPair {
 #[derive(Clone)]
 pub(super) struct Buffers {
     lit: Lit,
-    paths: Vec<Box<Paths>>,
     view: Box<View>,
     batch: Box<Batch>,
-    /// What multiplies amplitudes, `[pulse][cell][pair]` of every batch, and cells of each.
-    factors: Vec<f64>,
-    counts: Vec<usize>,
+    tile: Tile,
 }
 
 impl Buffers {
-    pub fn new(pairs: usize) -> Self {
+    pub fn new(of: &PathGenerator) -> Self {
         let row = [0.0; LANES];
         let pair = LitPair { velocities: [row; 3], matrix: [[[row; 2]; 2]; 2] };
+        let pairs = vec![pair; of.plans.len()];
         Self {
-            lit: Lit { count: 0, places: [[0.0; LANES]; 3], pairs: vec![pair; pairs] },
-            paths: (0..NODES).map(|_| Paths::boxed()).collect(),
+            lit: Lit { count: 0, places: [[0.0; LANES]; 3], pairs },
             view: View::boxed(),
             batch: Batch::boxed(0),
-            factors: Vec::new(),
-            counts: Vec::new(),
+            tile: Tile::new(of.radar.emissions.mean_pri_s(), &of.groups_of_pairs()),
         }
     }
 }
@@ -81,13 +85,11 @@ impl Buffers {
 struct Making<'a> {
     of: &'a PathGenerator,
     plan: &'a FarPlan,
+    /// First pulse, counted from that of the block.
+    start: usize,
     /// Of every pulse, and their times after pulse 0.
     emissions: &'a [Emission],
     elapsed_s: &'a [f64],
-    /// Pulses of the nodes.
-    nodes: &'a [usize],
-    slow: &'a SlowTime,
-    slopes: Slopes,
     /// What antennas, windows and cells move and what antennas turn about the middle, m and rad.
     about: [f64; 2],
     reception: &'a Reception<'a>,
@@ -96,37 +98,32 @@ struct Making<'a> {
 }
 
 impl PathGenerator {
-    /// Fills `nodes` with the far sea of some pulses at some of them, counted from the first, and `factors`,
-    /// `[pulse][path][pair]`, with what multiplies the amplitudes; returns whether they are smooth enough and
-    /// the beams turn no further than a stretch allows.
+    /// Hands over the far sea of some pulses of a block as tiles; returns how many cells there are. `None`,
+    /// and nothing is handed over, where antennas move or turn further than a stretch allows.
     ///
     /// # Errors
     /// A pulse that the tracks do not cover.
     pub fn far_sea_of_stretch(
         &self,
-        (first, count): (u64, usize),
-        at: &[usize],
+        (block, pulses): (u64, Range<usize>),
         workspace: &mut Workspace,
-        nodes: &mut [ScattererPaths],
-        factors: &mut Vec<f64>,
-    ) -> Result<bool, RadarError> {
-        nodes.iter_mut().for_each(ScattererPaths::clear);
-        factors.clear();
+        mut each: impl FnMut(&Tile),
+    ) -> Result<Option<usize>, RadarError> {
         let (Some(plan), Some(sea), true) = (&self.far, &self.sea, self.gains_are_real()) else {
-            return Ok(false);
+            return Ok(None);
         };
-        let Workspace { other, stretch, places, windows, far, .. } = workspace;
+        let (first, count) = (block + pulses.start as u64, pulses.len());
+        let Workspace { other, stretch, places, windows, far, costs, .. } = workspace;
         let emissions = &mut stretch.emissions;
         emissions.resize_with(count.max(emissions.len()), Emission::default);
         for (index, emission) in (first..).zip(&mut emissions[..count]) {
             self.evaluate(index, emission)?;
         }
         let emissions = &emissions[..count];
-        let Some(mut about) = self.about(plan, emissions) else { return Ok(false) };
-        self.slow_time(first, count, &mut stretch.slow);
         stretch.elapsed_s.clear();
         stretch.elapsed_s.extend((first..).take(count).map(|index| self.radar.emissions.elapsed_s(index)));
         let elapsed_s = &stretch.elapsed_s[..];
+        let Some(mut about) = self.about(plan, emissions, elapsed_s) else { return Ok(None) };
         let middle = first + count as u64 / 2;
         self.windows_at(middle, windows)?;
         stretch.windows.resize_with(stretch.windows.len().max(1), Vec::new);
@@ -137,38 +134,34 @@ impl PathGenerator {
         let reception = &self.reception_of_all(middle, &emissions[count / 2], windows);
         let patch = sea.patch_at(&reception.surroundings, elapsed_s[0]);
         let patch = &patch.map_err(|failure| self.sea_error(first, SeaFailure::from(failure)))?;
-        let slow = &stretch.slow;
-        let slopes = Slopes::through(at, slow);
-        let Work { room, stretch: buffers, outlooks } =
-            far.get_or_insert_with(|| Work::new(sea, self.plans.len()));
+        let Work { room, stretch: buffers, outlooks } = far.get_or_insert_with(|| Work::new(sea, self));
         outlooks.clear();
         for (emission, plan) in emissions.iter().flat_map(|it| self.plans.iter().map(move |plan| (it, plan)))
         {
             outlooks.push(Outlook::of_pair(self, plan, emission, &emissions[count / 2]));
         }
-        let made = Making {
-            of: self,
-            plan,
-            emissions,
-            elapsed_s,
-            nodes: at,
-            slow,
-            slopes,
-            about,
-            reception,
-            outlooks,
+        let start = pulses.start;
+        let made = Making { of: self, plan, start, emissions, elapsed_s, about, reception, outlooks };
+        self.slow_time(block, pulses.end, &mut buffers.tile.slow);
+        let mut each = |tile: &Tile| {
+            costs.lap(Stage::ScattererPaths);
+            each(tile);
+            costs.lap(Stage::Spread);
         };
-        buffers.factors.clear();
-        buffers.counts.clear();
+        let mut lit = 0;
         let [begin, end] = [elapsed_s[0], elapsed_s[count - 1]].map(FarPlan::slots_at);
         for slot in begin[0]..=end[1] {
             let coarser = self.begin_far_slot(plan, (first, slot), other, places)?;
             let split = Split { plan, of: self, places, coarser, slot };
             let search = Search { split, reception, patch, about };
             let maker = Maker { split, sea, middle_s: FarPlan::middle_s(slot) };
+            let mut hand_over = |buffers: &mut Buffers| {
+                lit += buffers.lit.count;
+                made.hand_over(slot, pulses.clone(), buffers, &mut each);
+                buffers.lit.count = 0;
+            };
             let mut gather = |cells: &Cells| {
-                let (mut from, mut smooth) = (0, true);
-                while smooth && from < cells.places.len() {
+                for from in (0..cells.places.len()).step_by(LANES) {
                     let until = (from + LANES).min(cells.places.len());
                     let kept = made.kept(slot, cells, from..until);
                     for (i, place) in (from..until).zip(&cells.places[from..until]) {
@@ -178,41 +171,49 @@ impl PathGenerator {
                         }
                         buffers.lit.push(*place, cells.pairs.iter(), i);
                         if buffers.lit.count == LANES {
-                            smooth &= made.append(slot, buffers, nodes);
+                            hand_over(buffers);
                         }
                     }
-                    from = until;
                 }
-                smooth
             };
-            let mut smooth = search.lots(Square::ALL, &mut |lot| {
-                plan.lots.with((slot, lot), || maker.lot(lot, room), &mut gather)
+            search.lots(Square::ALL, &mut |lot| {
+                plan.lots.with((slot, lot), || maker.lot(lot, room), &mut gather);
+                true
             });
-            smooth = smooth && made.append(slot, buffers, nodes);
-            buffers.lit.count = 0;
-            if !smooth {
-                return Ok(false);
-            }
+            hand_over(buffers);
         }
-        buffers.by_pulse(count, self.plans.len(), factors);
-        Ok(true)
+        Ok(Some(lit))
     }
 
     /// How far antennas move, m, and turn, rad, about the middle of some emissions; `None` where they turn
-    /// too far.
-    fn about(&self, plan: &FarPlan, emissions: &[Emission]) -> Option<[f64; 2]> {
-        let middle = &emissions[emissions.len() / 2];
+    /// too far, or where the cubic between the ends misses one in the middle.
+    fn about(&self, plan: &FarPlan, emissions: &[Emission], elapsed_s: &[f64]) -> Option<[f64; 2]> {
+        let at = emissions.len() / 2;
+        let middle = &emissions[at];
         let ends = [&emissions[0], &emissions[emissions.len() - 1]];
+        let lasts_s = elapsed_s[elapsed_s.len() - 1] - elapsed_s[0];
+        let share = if lasts_s > 0.0 { (elapsed_s[at] - elapsed_s[0]) / lasts_s } else { 0.0 };
         let mut about = [0.0f64; 2];
         for (n, centre) in middle.centres.iter().enumerate() {
+            let axes_of = |emission: &Emission, axis| emission.axes(n).col(axis);
+            let turned = |from: &Emission, to: &Emission| {
+                (0..3).map(|axis| axes_of(from, axis).distance(axes_of(to, axis))).fold(0.0, f64::max)
+            };
             for end in ends {
-                let turned = (0..3).map(|axis| end.axes(n).col(axis).distance(middle.axes(n).col(axis)));
-                let rad = turned.fold(0.0, f64::max);
-                if rad > TURN_WIDTHS * plan.lobes[n].width_rad() {
+                let rad = turned(end, middle);
+                if rad > (TURN_WIDTHS * plan.lobes[n].width_rad()).min(TURN_RAD) {
                     return None;
                 }
                 about[1] = about[1].max(1.1 * rad);
                 about[0] = about[0].max(1.1 * end.centres[n].position.raw().distance(centre.position.raw()));
+            }
+            let [a, b] = ends.map(|end| end.centres[n].position.raw());
+            let [u, v] = ends.map(|end| end.centres[n].velocity.raw() * lasts_s);
+            let (s, rest) = (share, 1.0 - share);
+            let cubic = a + (b - a) * (s * s * (3.0 - 2.0 * s)) + (u * rest - v * s) * (s * rest);
+            let off_rad = TAU / self.radar.wavelength_m() * cubic.distance(centre.position.raw());
+            if off_rad > PHASE_RAD {
+                return None;
             }
         }
         Some(about)
@@ -247,20 +248,6 @@ impl Lit {
             }
         }
         out
-    }
-}
-
-impl Buffers {
-    /// Factors of all batches, `[pulse][path][pair]`.
-    fn by_pulse(&self, pulses: usize, pairs: usize, factors: &mut Vec<f64>) {
-        for pulse in 0..pulses {
-            let mut begin = 0;
-            for count in self.counts.iter().map(|cells| cells * pairs) {
-                let from = begin + pulse * count;
-                factors.extend_from_slice(&self.factors[from..from + count]);
-                begin += pulses * count;
-            }
-        }
     }
 }
 
@@ -319,48 +306,54 @@ impl Making<'_> {
         any
     }
 
-    /// Appends the cells that were gathered at the nodes, and their factors; returns whether they are smooth.
-    fn append(&self, slot: i64, buffers: &mut Buffers, nodes: &mut [ScattererPaths]) -> bool {
-        let count = buffers.lit.count;
-        if count == 0 {
-            return true;
+    /// Hands over the cells that were gathered for some pulses of the block.
+    fn hand_over(
+        &self,
+        slot: i64,
+        pulses: Range<usize>,
+        buffers: &mut Buffers,
+        each: &mut impl FnMut(&Tile),
+    ) {
+        if buffers.lit.count == 0 {
+            return;
         }
-        let (pairs, pulses, from) = (self.of.plans.len(), self.emissions.len(), buffers.factors.len());
-        buffers.counts.push(count);
-        buffers.factors.resize(from + pulses * count * pairs, 0.0);
+        buffers.tile.count = buffers.lit.count;
+        buffers.tile.take(pulses.clone());
         let mut smooth = true;
         for (pair, plan) in self.of.plans.iter().enumerate() {
-            smooth &= self.at_nodes((pair, plan), slot, buffers, nodes);
-            self.at_pulses((pair, plan), slot, buffers, from);
+            self.at_nodes((pair, plan), slot, buffers);
+            smooth &= self.is_smooth(&buffers.tile, pair);
         }
-        for node in nodes {
-            node.emission_offset_s.resize(node.delay_s[0].len(), 0.0);
+        // Two pulses are both exact.
+        if !smooth && pulses.len() > 2 {
+            let middle = pulses.start + pulses.len() / 2;
+            for half in [pulses.start..middle, middle..pulses.end] {
+                self.hand_over(slot, half, buffers, each);
+            }
+            return;
         }
-        buffers.lit.count = 0;
-        smooth
+        for (pair, plan) in self.of.plans.iter().enumerate() {
+            self.at_pulses((pair, plan), slot, pulses.clone(), buffers);
+        }
+        each(&buffers.tile);
     }
 
-    /// Paths and amplitudes of a pair at the nodes.
-    fn at_nodes(
-        &self,
-        (pair, plan): (usize, &PairPlan),
-        slot: i64,
-        buffers: &mut Buffers,
-        nodes: &mut [ScattererPaths],
-    ) -> bool {
+    /// Paths and amplitudes of a pair at both ends.
+    fn at_nodes(&self, (pair, plan): (usize, &PairPlan), slot: i64, buffers: &mut Buffers) {
         let (of, variant) = (self.of, Variant::fastest());
-        let Buffers { lit, paths, view, batch, .. } = buffers;
+        let Buffers { lit, view, batch, tile } = buffers;
         let (count, [tx, rx]) = (lit.count, self.ends(plan));
         let own = &lit.pairs[pair];
         batch.count = count;
         batch.slope.iter_mut().for_each(|row| row.fill(0.0));
-        for ((paths, &place), node) in paths.iter_mut().zip(self.nodes).zip(nodes) {
+        let nodes = tile.instants.nodes;
+        for (node, &pulse) in nodes.iter().enumerate().take(tile.instants.node_count) {
+            let Some((paths, epoch)) = tile.pairs[pair].at_node(node) else { continue };
+            let place = pulse - self.start;
             let emission = &self.emissions[place];
             let for_s = self.elapsed_s[place] - FarPlan::middle_s(slot);
             let ends = [tx, rx].map(|end| End::from(&emission.centres[end]));
             variant.run(Solve { paths, lit, velocities: &own.velocities, for_s, ends: &ends });
-            node.delay_s[pair].extend_from_slice(&paths.delay_s[..count]);
-            node.delay_rate[pair].extend_from_slice(&paths.delay_rate[..count]);
             (batch.incident, batch.scattered) = (paths.incident, paths.scattered);
             (view.incident, view.scattered, view.leg_m) = (paths.incident, paths.scattered, paths.leg_m);
             for i in 0..LANES {
@@ -372,51 +365,44 @@ impl Making<'_> {
             variant.run(OntoPorts { bases: &bases, view, batch });
             let mut scale = [0.0; LANES];
             variant.run(Scale { link: plan.link.in_air(), footprint_m2: 1.0, view, batch, out: &mut scale });
-            let isolations_db = [
-                of.radar.transmitters[plan.pair.transmitter].antenna.cross_pol_isolation_db,
-                of.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db,
-            ];
-            for &(channel, tx_port, rx_port) in &plan.channels {
-                let products = port_products([tx_port, rx_port], isolations_db);
-                let mut in_rain = scale;
-                if let Some(rain) = plan.link.lanes_in_rain() {
-                    let ports = [tx_port, rx_port];
-                    variant.run(InRain { rain, ports, view, scale: &scale, count, out: &mut in_rain });
-                }
-                let mut sums = [[0.0; LANES]; 2];
-                variant.run(Between { products, batch, scale: &in_rain, out: &mut sums });
-                let amplitudes = sums[0].iter().zip(&sums[1]).take(count);
-                node.amplitude[channel]
-                    .extend(amplitudes.map(|(re, im)| Complex64::new((*re).into(), (*im).into())));
-            }
+            of.combine(variant, plan, (batch, view), &scale, epoch);
         }
-        self.is_smooth(&paths[..self.nodes.len()], count)
     }
 
-    /// Whether delays and matrices are cubics through the nodes.
-    fn is_smooth(&self, paths: &[Box<Paths>], count: usize) -> bool {
-        let last = self.nodes[self.nodes.len() - 1];
-        let lasts = self.slow.at(last) - self.slow.at(self.nodes[0]);
-        let (mean_pri_s, carrier_hz) = (self.of.radar.emissions.mean_pri_s(), self.of.radar.carrier_hz);
-        let most_s = PHASE_RAD / (std::f64::consts::TAU * carrier_hz * lasts / 18.0);
-        let [begin, end] = [&paths[0], &paths[paths.len() - 1]];
-        (0..count).all(|i| {
-            let values = |of: &Paths| (of.delay_s[i], of.delay_rate[i]);
+    /// Whether delays of a pair are cubics and amplitudes straight lines from end to end.
+    fn is_smooth(&self, tile: &Tile, pair: usize) -> bool {
+        let [begin, end] = tile.pairs[pair].nodes() else { return true };
+        let most_m = PHASE_RAD * self.of.radar.wavelength_m() / TAU;
+        (0..tile.count).all(|i| {
             let vector = |rows: &[Row; 3]| DVec3::from_array([0, 1, 2].map(|c| f64::from(rows[c][i])));
-            self.slopes.off_s(paths.iter().map(|paths| values(paths)), mean_pri_s) <= most_s
-                && !turns(vector(&begin.incident), vector(&end.incident))
-                && !turns(vector(&begin.scattered), vector(&end.scattered))
+            let ways = |of: &Paths| [vector(&of.incident), vector(&of.scattered)];
+            let (from, to) = (ways(&begin.paths), ways(&end.paths));
+            let mut off_m = 0.0;
+            for way in 0..2 {
+                let leg_m = f64::from(begin.paths.leg_m[way][i]);
+                off_m += 9.0 / 384.0 * leg_m * from[way].distance_squared(to[way]).powi(2);
+            }
+            off_m <= most_m && !turns(from[0], to[0]) && !turns(from[1], to[1])
         })
     }
 
     /// Gains, envelope, horizons and main lobes of a pair at every pulse.
-    fn at_pulses(&self, (pair, plan): (usize, &PairPlan), slot: i64, buffers: &mut Buffers, from: usize) {
+    fn at_pulses(
+        &self,
+        (pair, plan): (usize, &PairPlan),
+        slot: i64,
+        pulses: Range<usize>,
+        buffers: &mut Buffers,
+    ) {
         let (of, pairs) = (self.of, self.of.plans.len());
-        let Buffers { lit, paths, factors, .. } = buffers;
+        let Buffers { lit, tile, .. } = buffers;
         let (count, ends) = (lit.count, self.ends(plan));
+        let own = &mut tile.pairs[pair];
         let mut delay_s = [0.0; LANES];
-        for i in 0..count {
-            delay_s[i] = paths[0].delay_s[i] as f32;
+        if let [node, ..] = own.nodes() {
+            for i in 0..count {
+                delay_s[i] = node.paths.delay_s[i] as f32;
+            }
         }
         let centres = ends.map(|end| self.middle().centres[end].position.raw());
         let places = centres.map(|centre| lit.from(centre));
@@ -425,26 +411,22 @@ impl Making<'_> {
             let at = [0, last].map(|pulse| self.emissions[pulse].centres[end].position);
             Passes::new(of, at, &lit.places, count)
         });
-        for pulse in 0..self.emissions.len() {
-            let envelope = FarPlan::envelope(slot, self.elapsed_s[pulse]);
+        for (row, place) in own.factor[pulses.clone()].iter_mut().zip(pulses.start - self.start..) {
+            let envelope = FarPlan::envelope(slot, self.elapsed_s[place]);
+            row.fill(envelope as f32);
             if envelope == 0.0 {
                 continue;
             }
-            let for_s = (self.elapsed_s[pulse] - FarPlan::middle_s(slot)) as f32;
-            let mut row = [envelope as f32; LANES];
+            let for_s = (self.elapsed_s[place] - FarPlan::middle_s(slot)) as f32;
             for (n, end) in ends.into_iter().enumerate() {
-                let outlook = &self.outlooks[pulse * pairs + pair][n];
+                let outlook = &self.outlooks[place * pairs + pair][n];
                 let moves = Some((&lit.pairs[pair].velocities, for_s));
                 let delay_s = (n == 1).then_some(&delay_s);
                 let cells = Towards { count, places: &places[n], moves, delay_s };
-                outlook.weigh(of, &self.plan.lobes[end], cells, &mut row);
+                outlook.weigh(of, &self.plan.lobes[end], cells, row);
                 if let Some(passes) = &passes[n] {
-                    passes.weigh(pulse as f32 / last.max(1) as f32, &mut row);
+                    passes.weigh(place as f32 / last.max(1) as f32, row);
                 }
-            }
-            let begin = from + pulse * count * pairs + pair;
-            for (factor, own) in factors[begin..].iter_mut().step_by(pairs).zip(&row[..count]) {
-                *factor = f64::from(*own);
             }
         }
     }
@@ -474,36 +456,5 @@ impl Task for Solve<'_> {
             }
         }
         paths.solve(lit.count, &ends[0], &ends[1]);
-    }
-}
-
-/// Amplitudes between two ports.
-struct Between<'a> {
-    products: [[Complex32; 2]; 2],
-    batch: &'a Batch,
-    scale: &'a Row,
-    out: &'a mut [Row; 2],
-}
-
-impl Task for Between<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { products, batch, scale, out: [re, im] } = self;
-        let n = lanes_for(batch.count);
-        for row in 0..2 {
-            for column in 0..2 {
-                let [a, b] = &batch.matrix[row][column];
-                let weight = products[row][column];
-                for i in 0..n {
-                    re[i] += weight.re * a[i] - weight.im * b[i];
-                    im[i] += weight.re * b[i] + weight.im * a[i];
-                }
-            }
-        }
-        for i in 0..n {
-            (re[i], im[i]) = (re[i] * scale[i], im[i] * scale[i]);
-        }
     }
 }

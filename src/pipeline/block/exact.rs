@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{BlockEcho, BlockWork, POINT_PULSES, check};
 use crate::echo::synth::block::Node;
-use crate::paths::block::nodes_within;
+use crate::paths::block::{NODES, Tile, nodes_within};
 use crate::paths::spikes::stretch::Stretch;
 use crate::paths::{FAR_PULSES, PathGenerator, Workspace};
 use crate::pipeline::fault::PulseError;
@@ -72,16 +72,13 @@ impl BlockEcho {
             }
             return Ok(spread);
         }
-        let (at, count) = nodes_within(pulses.len());
-        let (nodes, factors) = (&mut work.nodes[..count], &mut work.factors);
-        let stretch = (first + pulses.start as u64, pulses.len());
-        if pulses.len() <= FAR_PULSES
-            && generator.far_sea_of_stretch(stretch, &at[..count], memory, nodes, factors)?
-        {
-            if nodes[0].is_empty() {
-                return Ok(0);
+        if pulses.len() <= FAR_PULSES {
+            let BlockWork { frame, lanes, grids, .. } = &mut *work;
+            self.synth.make_room(NODES, pulses.end, lanes);
+            let spread = |tile: &Tile| self.synth.spread_tile(tile, frame, lanes, grids);
+            if let Some(cells) = generator.far_sea_of_stretch((first, pulses.clone()), memory, spread)? {
+                return Ok(cells * generator.pairs().len() * pulses.len());
             }
-            return Ok(self.spread_stretch(pulses.clone(), memory, work)? * pulses.len());
         }
         let middle = pulses.start + pulses.len() / 2;
         let mut spread = 0;

@@ -1,5 +1,6 @@
 //! Blocks of a continuous signal: grids are those of emissions, which windows then receive a part of.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -44,21 +45,48 @@ impl Joint {
 pub(super) struct JointWork {
     joined: Joined,
     echoes: Vec<Echo>,
-    /// First emission that has grids.
-    pub first: u64,
+    /// Emissions that have grids.
+    gridded: Range<u64>,
+    /// What is radiated by emissions in a row, from one on.
+    radiated: (u64, Vec<Arc<dyn Waveform>>),
     replicas: Vec<Vec<Complex64>>,
 }
 
 impl JointWork {
     pub fn new(joint: &Joint, len: usize) -> Self {
-        Self { joined: joint.joined(len), echoes: Vec::new(), first: 0, replicas: Vec::new() }
+        Self {
+            joined: joint.joined(len),
+            echoes: Vec::new(),
+            gridded: 0..0,
+            radiated: (0, Vec::new()),
+            replicas: Vec::new(),
+        }
     }
 
-    /// Begins another block, whose grids are those of the emissions from one on.
-    pub fn begin(&mut self, first: u64) {
+    /// Begins another block, whose grids are those of these emissions.
+    pub fn begin(&mut self, gridded: Range<u64>) {
         self.echoes.clear();
-        self.first = first;
+        self.radiated.1.clear();
+        self.gridded = gridded;
     }
+
+    /// First emission that has grids.
+    pub fn first(&self) -> u64 {
+        self.gridded.start
+    }
+}
+
+/// What an emission radiates, found with those that follow it up to one.
+fn radiated<'r>(
+    (first, known): &'r mut (u64, Vec<Arc<dyn Waveform>>),
+    waveform: &dyn Waveform,
+    emission: u64,
+    end: u64,
+) -> Option<&'r dyn Waveform> {
+    if !(*first..*first + known.len() as u64).contains(&emission) {
+        (*first, *known) = (emission, waveform.of_emissions(emission..end.max(emission + 1)));
+    }
+    known.get((emission - *first) as usize).map(AsRef::as_ref)
 }
 
 impl BlockEcho {
@@ -76,18 +104,19 @@ impl BlockEcho {
         let emissions = received.of_pulses().get((index - made.start) as usize).cloned().unwrap_or(0..0);
         let (starts_s, windows) = (pulse.window_starts_s(), generator.pair_windows());
         let (channels, out_len) = (generator.channel_pairs().len(), joint.out_len());
-        let JointWork { joined, echoes, first, replicas } = &mut **own;
+        let JointWork { joined, echoes, gridded, radiated: known, replicas } = &mut **own;
         joined.clear(channels);
         echoes.retain(|echo| emissions.contains(&echo.emission));
         for emitted in emissions {
             let offset_s = generator.offset_s(index, emitted);
             let of_channels = channel_starts(starts_s, &windows, generator.channel_pairs());
             joined.take(echoes, (emitted, offset_s), of_channels, || {
-                if let Some(waveform) = joint.waveform.of_emission(generator.number_of(emitted)) {
-                    self.synth.replicas_of(waveform.as_ref(), frame.mean_hz(), replicas);
+                let [number, end] = [emitted, gridded.end].map(|of| generator.number_of(of));
+                if let Some(waveform) = radiated(known, joint.waveform.as_ref(), number, end) {
+                    self.synth.replicas_of(waveform, frame.mean_hz(), replicas);
                 }
                 let mut bins = vec![Complex64::ZERO; channels * self.synth.fft_len()];
-                let of = (&*frame, (emitted - *first) as usize);
+                let of = (&*frame, (emitted - gridded.start) as usize);
                 self.synth.spectrum_by(replicas, of, grids, scratch, &mut bins);
                 bins
             });

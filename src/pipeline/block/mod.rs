@@ -326,7 +326,7 @@ impl BlockEcho {
         let mut gridded = first..end;
         if let (Some(Joint { span, .. }), Some(own)) = (&self.joint, &mut work.joint) {
             gridded = work.received.emissions();
-            own.begin(gridded.start);
+            own.begin(gridded.clone());
             for starts_s in &mut work.windows_s {
                 starts_s.clear();
                 starts_s.resize((gridded.end - gridded.start) as usize, span.origin_s);
@@ -445,7 +445,7 @@ impl BlockEcho {
             let at = |emitted: u64| (emitted - from) as usize;
             work.frame.receives.extend(emissions.clone().map(|emitted| Receives {
                 emission: at(emitted),
-                pulse: (emitted - joint.first) as usize,
+                pulse: (emitted - joint.first()) as usize,
                 offset_s: 0.0,
             }));
         } else if !alone {

@@ -19,6 +19,8 @@ use crate::units::fast_len;
 
 /// Cells of an interpolation.
 const WIDTH: usize = 10;
+/// The same in registers of four.
+const LANES: usize = WIDTH.next_multiple_of(4);
 const SHAPE: f64 = 2.3 * WIDTH as f64;
 /// Rows of the kernel's table from one cell to the next.
 const ROWS: usize = 512;
@@ -66,8 +68,10 @@ impl Plan {
         }
         self.forward.process(&mut values);
         // With the edges that an interpolation reaches.
-        let at = |m: isize| values[m.rem_euclid(self.cells as isize) as usize];
-        Gridded { cells: self.cells, values: (-half..self.cells as isize + half).map(at).collect() }
+        let edges = -half..self.cells as isize + half + (LANES - WIDTH) as isize;
+        let (re, im) =
+            edges.map(|m| values[m.rem_euclid(self.cells as isize) as usize]).map(|v| (v.re, v.im)).unzip();
+        Gridded { cells: self.cells, re, im }
     }
 }
 
@@ -75,48 +79,66 @@ impl Plan {
 #[derive(Clone, Debug)]
 pub(super) struct Gridded {
     cells: usize,
-    values: Vec<Complex64>,
+    re: Vec<f64>,
+    im: Vec<f64>,
 }
 
 impl Gridded {
     /// `S(y)`.
+    #[inline(always)]
     pub fn at(&self, y: f64) -> Complex64 {
         let place = (y - y.floor()) * self.cells as f64;
         let cell = place.floor();
         let weights = weights(place - cell);
         // Cell 0 stands at WIDTH, the first tap WIDTH/2 - 1 before it.
         let first = cell as usize + WIDTH - (WIDTH / 2 - 1);
-        let taps = self.values.get(first..first + WIDTH).unwrap_or_default();
-        let mut sum = Complex64::ZERO;
-        for (value, weight) in taps.iter().zip(&weights) {
-            sum += value * weight;
+        let taps = first..first + LANES;
+        let (Some(re), Some(im)) = (self.re.get(taps.clone()), self.im.get(taps)) else {
+            return Complex64::ZERO;
+        };
+        let mut sums = [[0.0; 4]; 2];
+        for (part, weights) in weights.as_chunks::<4>().0.iter().enumerate() {
+            for lane in 0..4 {
+                sums[0][lane] += weights[lane] * re[4 * part + lane];
+                sums[1][lane] += weights[lane] * im[4 * part + lane];
+            }
         }
-        sum
+        let [re, im] = sums;
+        Complex64::new((re[0] + re[1]) + (re[2] + re[3]), (im[0] + im[1]) + (im[2] + im[3]))
     }
 }
 
 /// The kernel at the cells about a place that lies `t` beyond a cell, by cubics through its table.
-fn weights(t: f64) -> [f64; WIDTH] {
-    static TABLE: OnceLock<Vec<[f64; WIDTH]>> = OnceLock::new();
-    let table = TABLE.get_or_init(|| {
-        let row = |r: usize| {
-            let t = (r as f64 - 1.0) / ROWS as f64;
-            std::array::from_fn(|i| psi(t + (WIDTH / 2 - 1) as f64 - i as f64))
-        };
-        (0..ROWS + 4).map(row).collect()
-    });
+#[inline(always)]
+fn weights(t: f64) -> [f64; LANES] {
+    let table = table();
     let place = t * ROWS as f64;
     let row = (place as usize).min(ROWS);
     let x = place - row as f64;
     let cubic = lagrange(x);
-    let mut sum = [0.0; WIDTH];
+    let mut sum = [0.0; LANES];
     for (of, row) in cubic.iter().zip(&table[row..row + 4]) {
-        sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += of * value);
+        for lane in 0..LANES {
+            sum[lane] += of * row[lane];
+        }
     }
     sum
 }
 
+fn table() -> &'static [[f64; LANES]] {
+    static TABLE: OnceLock<Vec<[f64; LANES]>> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        let row = |r: usize| {
+            let t = (r as f64 - 1.0) / ROWS as f64;
+            let of = |i| if i < WIDTH { psi(t + (WIDTH / 2 - 1) as f64 - i as f64) } else { 0.0 };
+            std::array::from_fn(of)
+        };
+        (0..ROWS + 4).map(row).collect()
+    })
+}
+
 /// Weights of the values at -1, 0, 1 and 2 for one at `x` of 0 to 1.
+#[inline(always)]
 pub(super) fn lagrange(x: f64) -> [f64; 4] {
     let (a, b, c) = (x + 1.0, x - 1.0, x - 2.0);
     [-x * b * c / 6.0, a * b * c / 2.0, -a * x * c / 2.0, a * x * b / 6.0]

@@ -1,6 +1,7 @@
 //! A pulse as a receiver of another carrier takes it.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -18,6 +19,9 @@ pub(crate) struct Offset {
     /// Whether it is a continuous signal or a segment of one.
     of_stream: bool,
 }
+
+/// Frequencies that are shifted together.
+const TOGETHER: usize = 64;
 
 impl Offset {
     pub fn new(waveform: Arc<dyn Waveform>, offset_hz: f64) -> Self {
@@ -47,6 +51,15 @@ impl Waveform for Offset {
         self.waveform.spectrum(f_hz - self.offset_hz)
     }
 
+    fn spectra(&self, f_hz: &[f64], out: &mut [Complex64]) {
+        for (f_hz, out) in f_hz.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
+            let mut shifted_hz = [0.0; TOGETHER];
+            let shifted_hz = &mut shifted_hz[..f_hz.len()];
+            shifted_hz.iter_mut().zip(f_hz).for_each(|(shifted, f_hz)| *shifted = f_hz - self.offset_hz);
+            self.waveform.spectra(shifted_hz, out);
+        }
+    }
+
     fn moment_spectrum(&self, f_hz: f64) -> Complex64 {
         if self.of_stream {
             return self.waveform.moment_spectrum(f_hz - self.offset_hz);
@@ -57,6 +70,11 @@ impl Waveform for Offset {
     fn of_emission(&self, emission: u64) -> Option<Arc<dyn Waveform>> {
         let own = self.waveform.of_emission(emission)?;
         Some(Arc::new(Self { waveform: own, ..*self }))
+    }
+
+    fn of_emissions(&self, emissions: Range<u64>) -> Vec<Arc<dyn Waveform>> {
+        let of = |waveform| Arc::new(Self { waveform, ..*self }) as Arc<dyn Waveform>;
+        self.waveform.of_emissions(emissions).into_iter().map(of).collect()
     }
 
     fn is_stream(&self) -> bool {

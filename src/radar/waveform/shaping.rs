@@ -48,6 +48,7 @@ fn bessel(x: f64) -> f64 {
 }
 
 /// `H(v)` and `H'(v)`, real; 0 beyond one cycle a sample.
+#[inline(always)]
 pub fn response(v: f64) -> [f64; 2] {
     let place = v.abs() * STEPS as f64;
     if place >= STEPS as f64 || place.is_nan() {

@@ -11,6 +11,7 @@
 //! are `s(t - K/R)`, exactly: the signal as a converter's filter of finite length puts it out, `K` samples
 //! late. A segment is `T + 2 K/R` long, for it has the tails of its samples.
 
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
@@ -18,10 +19,14 @@ use num_complex::Complex64;
 use super::gridded::{Gridded, Plan};
 use super::shaping::{REACH, kernel, response};
 use super::{Waveform, WaveformError};
+use crate::cpu::{Task, Variant};
 use crate::radar::phasor::phasor;
 
 /// Samples of a segment: the least, and the most.
 pub const SEGMENT_SAMPLES: [f64; 2] = [64.0, 1_048_576.0];
+
+/// Samples of the segments that are made together, at most: those of one may be more.
+const SAMPLES_TOGETHER: u64 = 1 << 16;
 
 /// Samples of a continuous signal, of mean power 1 once they are interpolated.
 pub trait Signal: Send + Sync {
@@ -100,6 +105,16 @@ fn segment(signal: &Arc<dyn Signal>, plan: &Plan, duration_s: f64, interval: (u6
     let ((from, late), (to, _)) = (bound(interval, k), bound(interval, k.wrapping_add(1)));
     let mut samples = vec![Complex64::ZERO; to.wrapping_sub(from) as usize];
     signal.fill(from, &mut samples);
+    segment_of(signal, plan, duration_s, late, samples)
+}
+
+fn segment_of(
+    signal: &Arc<dyn Signal>,
+    plan: &Plan,
+    duration_s: f64,
+    late: f64,
+    samples: Vec<Complex64>,
+) -> Segment {
     let sum = plan.gridded(samples.len(), |j| samples[j]);
     Segment {
         name: signal.name().to_owned(),
@@ -116,8 +131,39 @@ fn segment(signal: &Arc<dyn Signal>, plan: &Plan, duration_s: f64, interval: (u6
 
 impl Segment {
     /// From the emission to the sample in the middle, samples.
+    #[inline(always)]
     fn middle(&self) -> f64 {
         self.at + (self.samples.len() / 2) as f64
+    }
+
+    /// `P_k(f)`.
+    #[inline(always)]
+    fn transform(&self, f_hz: f64) -> Complex64 {
+        let v = f_hz / self.rate_hz;
+        let [passed, _] = response(v);
+        if passed == 0.0 {
+            return Complex64::ZERO;
+        }
+        self.sum.at(v) * phasor(-v * self.middle()) * (passed / self.rate_hz)
+    }
+}
+
+/// The transform of a segment at many frequencies.
+struct Spectra<'a> {
+    segment: &'a Segment,
+    f_hz: &'a [f64],
+    out: &'a mut [Complex64],
+}
+
+impl Task for Spectra<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { segment, f_hz, out } = self;
+        for (f_hz, out) in f_hz.iter().zip(out) {
+            *out = segment.transform(*f_hz);
+        }
     }
 }
 
@@ -135,12 +181,11 @@ impl Waveform for Segment {
     }
 
     fn spectrum(&self, f_hz: f64) -> Complex64 {
-        let v = f_hz / self.rate_hz;
-        let [passed, _] = response(v);
-        if passed == 0.0 {
-            return Complex64::ZERO;
-        }
-        self.sum.at(v) * phasor(-v * self.middle()) * (passed / self.rate_hz)
+        self.transform(f_hz)
+    }
+
+    fn spectra(&self, f_hz: &[f64], out: &mut [Complex64]) {
+        Variant::fastest().run(Spectra { segment: self, f_hz, out });
     }
 
     fn sample(&self, t_s: f64) -> Complex64 {
@@ -198,6 +243,23 @@ impl Waveform for Stream {
     fn of_emission(&self, emission: u64) -> Option<Arc<dyn Waveform>> {
         let Self { signal, plan, duration_s, .. } = self;
         Some(Arc::new(segment(signal, plan, *duration_s, (self.whole, self.rest), emission)))
+    }
+
+    fn of_emissions(&self, emissions: Range<u64>) -> Vec<Arc<dyn Waveform>> {
+        let Self { signal, plan, duration_s, whole, rest, .. } = self;
+        let together = (SAMPLES_TOGETHER / (whole + 1)).max(1);
+        let bounds: Vec<_> = (0..=together.min(emissions.end.saturating_sub(emissions.start)))
+            .map(|n| bound((*whole, *rest), emissions.start.wrapping_add(n)))
+            .collect();
+        let [Some((from, _)), Some((to, _))] = [bounds.first(), bounds.last()] else { return Vec::new() };
+        let mut samples = vec![Complex64::ZERO; to.wrapping_sub(*from) as usize];
+        signal.fill(*from, &mut samples);
+        let cut = |of: &[(u64, f64)]| {
+            let [begin, end] = [of[0].0, of[1].0].map(|sample| sample.wrapping_sub(*from) as usize);
+            let own = samples[begin..end].to_vec();
+            Arc::new(segment_of(signal, plan, *duration_s, of[0].1, own)) as Arc<dyn Waveform>
+        };
+        bounds.windows(2).map(cut).collect()
     }
 
     fn is_stream(&self) -> bool {
