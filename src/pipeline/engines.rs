@@ -76,7 +76,8 @@ fn joint(
         let echo = reference(radar, generator, Arc::clone(waveform));
         return Ok(Arc::new(JointReference { echo, waveform: Arc::clone(waveform) }));
     };
-    let guard_samples = chosen.echo.guard_samples.max(RINGING_SAMPLES);
+    // Grids are as long as an emission: what a window needs beside itself is not for them.
+    let guard_samples = RINGING_SAMPLES;
     let settings = Settings { guard_samples, ..chosen.echo };
     let (own, samples) = (Arc::clone(waveform), joint.span.samples);
     let hold = generator.hold_pulses();

@@ -139,8 +139,14 @@ impl LightWind {
         let place = place.clamp(0.0, (NODES - 1) as f64);
         let node = (place as usize).min(NODES - 2);
         let share = place - node as f64;
-        let [low, high] = [&self.rows[node], &self.rows[node + 1]];
-        std::array::from_fn(|i| low[i] + share * (high[i] - low[i]))
+        // Cubics without a kink: tables of what scatters are made from it.
+        let at = |node: usize| &self.rows[node.min(NODES - 1)];
+        let [before, low, high, after] = [at(node.saturating_sub(1)), at(node), at(node + 1), at(node + 2)];
+        std::array::from_fn(|i| {
+            let rise = high[i] - low[i];
+            let [bend, unbend] = [high[i] - before[i], after[i] - low[i]].map(|of_two| 0.5 * of_two - rise);
+            low[i] + share * (rise + (1.0 - share) * (bend * (1.0 - share) - unbend * share))
+        })
     }
 
     /// Factor on the density at a wave vector.
