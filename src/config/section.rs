@@ -191,6 +191,11 @@ impl<'a> Section<'a> {
         C::named(entries.iter().find(|entry| entry.name == key.name)?.node.text()?)
     }
 
+    /// What is written as a text, without a word about faults.
+    pub(super) fn peek_text(&self, key: &Key) -> Option<&'a str> {
+        self.entry(key.name)?.node.text()
+    }
+
     /// Whether a flag is set in any of the tables of an array, without a word about faults.
     pub(super) fn any_has_flag(&self, tables: &Key, key: &Key) -> bool {
         let Some(Value::Array(items)) = self.entry(tables.name).map(|entry| &entry.node.value) else {

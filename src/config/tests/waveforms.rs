@@ -1,13 +1,16 @@
 //! Waveforms: what they say, and what they may not.
 
 use super::*;
-use crate::scene::radar::{Code, Source, Sweep, Taper, Waveform};
+use crate::scene::radar::{AfterEnd, Code, Datatype, Fm, IqFile, RawIq, Source, Sweep, Taper, Waveform};
 
 /// A continuous signal.
 const ENDLESS: [(&str, &str); 2] = [
     ("radar.window", "{ gate = 'continuous', samples = 1000 }"),
     ("radar.waveform", "{ kind = 'noise', bandwidth_hz = 1e6, seed = 5 }"),
 ];
+
+/// A recording.
+const IQ_FILE: &str = "{ kind = 'iq-file', path = '../tests/data/iq/noise.cs8', rate_hz = 1e6, datatype = 'ci8', after = 'silence' }";
 
 /// Scenarios by which every key of a waveform is read.
 pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
@@ -22,6 +25,13 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
         vec![("radar.dechirp", "{ delay_us = 0 }")],
         ENDLESS.to_vec(),
         vec![ENDLESS[0], ("radar.waveform", "{ kind = 'dvb-t', bandwidth_hz = 8e6 }")],
+        vec![
+            ENDLESS[0],
+            ("radar.prf_hz", "1000"),
+            ("radar.waveform", "{ kind = 'fm', deviation_hz = 50e3 }"),
+        ],
+        vec![ENDLESS[0], ("radar.waveform", "{ kind = 'gps-l1-ca', prn = 9 }")],
+        vec![ENDLESS[0], ("radar.waveform", IQ_FILE)],
     ])
     .map(|settings| (COASTAL, settings))
     .collect()
@@ -161,6 +171,64 @@ fn television_is_that_of_the_standard() {
     assert!(narrow.contains("radar.waveform.carriers: \"4k\" is not allowed"), "{narrow}");
     let chips = refused("{ kind = 'dvb-t', bandwidth_hz = 8e6, chips = 3 }");
     assert!(chips.contains("radar.waveform.chips: not allowed here (kind = \"dvb-t\")"), "{chips}");
+}
+
+/// What is in the air beside television.
+#[test]
+fn broadcast_and_satellites_are_what_they_say() {
+    let with =
+        |waveform: &str| coastal_with(&[ENDLESS[0], ("radar.prf_hz", "1000"), ("radar.waveform", waveform)]);
+    let source = |waveform: &str| match with(waveform).unwrap().scene.radar.waveform {
+        Waveform::Stream { source, .. } => source,
+        other => panic!("{other:?}"),
+    };
+    let fm = source("{ kind = 'fm', seed = 4 }");
+    assert_eq!(fm, Source::Fm { of: Fm { deviation_hz: 75e3 }, seed: 4 });
+    assert_eq!((fm.bandwidth_hz(), fm.rate_hz()), (Some(256e3), Some(312_500.0)));
+    let satellite = source("{ kind = 'gps-l1-ca', prn = 32 }");
+    assert_eq!(satellite, Source::GpsCa { prn: 32, seed: 0 });
+    assert_eq!((satellite.bandwidth_hz(), satellite.rate_hz()), (Some(1.023e6), Some(10.23e6)));
+    let refused = |waveform: &str, more: &[(&str, &str)]| {
+        let all = [&[ENDLESS[0], ("radar.prf_hz", "1000"), ("radar.waveform", waveform)], more].concat();
+        let error = coastal_with(&all).unwrap_err();
+        error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
+    };
+    insta::assert_snapshot!(refused("{ kind = 'gps-l1-ca', prn = 33, deviation_hz = 1e4 }", &[]), @"");
+    insta::assert_snapshot!(refused("{ kind = 'gps-l1-ca', prn = 3 }", &[("radar.sample_rate_hz", "1e6")]), @"");
+    insta::assert_snapshot!(refused("{ kind = 'fm', deviation_hz = 300e3, droop_db = 1 }", &[]), @"");
+    insta::assert_snapshot!(refused("{ kind = 'fm' }", &[("radar.prf_hz", "5000"), ("radar.sample_rate_hz", "2e5")]), @"");
+}
+
+#[test]
+fn a_recording_is_named_with_what_it_holds() {
+    let of = |waveform: &str| coastal_with(&[ENDLESS[0], ("radar.waveform", waveform)]);
+    let file = |waveform: &str| match of(waveform).unwrap().scene.radar.waveform {
+        Waveform::Stream { source: Source::IqFile(file), .. } => file,
+        other => panic!("{other:?}"),
+    };
+    let path = in_configs().with_file_name("../tests/data/iq/noise.cs8");
+    let datatype = Datatype::named("ci8").unwrap();
+    let expected = IqFile { path, raw: Some(RawIq { rate_hz: 1e6, datatype }), after: AfterEnd::Silence };
+    assert_eq!(file(IQ_FILE), expected);
+    let by_ending = file("{ kind = 'iq-file', path = '../tests/data/iq/noise.cs8', rate_hz = 1e6 }");
+    assert_eq!(by_ending, IqFile { after: AfterEnd::Repeat, ..expected });
+    let described = file("{ kind = 'iq-file', path = '../tests/data/iq/noise.sigmf-meta' }");
+    assert_eq!(described.raw, None);
+    let found = crate::radar::waveform::Recording::open(&described).unwrap();
+    assert_eq!(crate::radar::waveform::Signal::rate_hz(&found), 1e6);
+    let refused = |waveform: &str| {
+        let error = of(waveform).unwrap_err();
+        let faults = error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>();
+        faults.replace(&in_configs().with_file_name("").display().to_string(), "")
+    };
+    let beside = |keys: &str| refused(&format!("{{ kind = 'iq-file', path = '../tests/data/iq/{keys} }}"));
+    insta::assert_snapshot!(refused("{ kind = 'iq-file', rate_hz = 1e6 }"), @"");
+    insta::assert_snapshot!(beside("none.sigmf-meta', after = 'stop'"), @"");
+    insta::assert_snapshot!(beside("noise.sigmf-data', rate_hz = 1e6, datatype = 'ci8'"), @"");
+    insta::assert_snapshot!(beside("noise.cs8', datatype = 'rf32_le'"), @"");
+    insta::assert_snapshot!(refused("{ kind = 'iq-file', path = 'test.toml', rate_hz = 1e6 }"), @"");
+    insta::assert_snapshot!(refused("{ kind = 'iq-file', path = 'quickstart.toml', rate_hz = 1e6 }"), @"");
+    insta::assert_snapshot!(beside("noise.cs8', rate_hz = 1e4"), @"");
 }
 
 /// A radar of a bandwidth far above its sample rate, that is dechirped.

@@ -9,7 +9,7 @@ use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::joined::{Echo, Joined, Span, channel_starts};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
-use crate::radar::waveform::Waveform;
+use crate::radar::waveform::{Waveform, WaveformError};
 use crate::scene::radar::Radar;
 
 /// What is radiated by a train of which no two emissions are alike, and who receives it.
@@ -63,6 +63,9 @@ impl JointWork {
 
 impl BlockEcho {
     /// The spectra of a pulse from the grids of the emissions that it receives.
+    ///
+    /// # Errors
+    /// A signal that can no longer be read.
     pub(super) fn join(
         &self,
         (index, pulse): (u64, &Pulse),
@@ -70,9 +73,9 @@ impl BlockEcho {
         memory: &mut Workspace,
         spectrum: &mut [Complex64],
         work: &mut BlockWork,
-    ) {
+    ) -> Result<(), WaveformError> {
         let BlockWork { made, received, frame, grids, scratch, joint: own, spread, .. } = work;
-        let (Some(joint), Some(own)) = (&self.joint, own) else { return };
+        let (Some(joint), Some(own)) = (&self.joint, own) else { return Ok(()) };
         let emissions = received.of_pulses().get((index - made.start) as usize).cloned().unwrap_or(0..0);
         let (starts_s, windows) = (pulse.window_starts_s(), generator.pair_windows());
         let (channels, out_len) = (generator.channel_pairs().len(), joint.out_len());
@@ -83,19 +86,20 @@ impl BlockEcho {
             let offset_s = generator.offset_s(index, emitted);
             let of_channels = channel_starts(starts_s, &windows, generator.channel_pairs());
             joined.take(echoes, (emitted, offset_s), of_channels, || {
-                if let Some(waveform) = joint.waveform.of_emission(generator.number_of(emitted)) {
+                if let Some(waveform) = joint.waveform.of_emission(generator.number_of(emitted))? {
                     self.synth.replicas_of(waveform.as_ref(), frame.mean_hz(), replicas);
                 }
                 let mut bins = vec![Complex64::ZERO; channels * self.synth.fft_len()];
                 let of = (&*frame, (emitted - *first) as usize);
                 self.synth.spectrum_by(replicas, of, grids, scratch, &mut bins);
-                bins
-            });
+                Ok::<_, WaveformError>(bins)
+            })?;
         }
         for (channel, out) in spectrum.chunks_exact_mut(out_len).enumerate() {
             joined.spectrum(channel, out);
         }
         memory.costs.lap(Stage::Transform);
         memory.costs.accumulated(*spread);
+        Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use super::{Waveform, by_differences};
+use super::{Waveform, WaveformError, by_differences};
 
 /// A waveform whose carrier lies so far above that of the receiver:
 ///
@@ -54,9 +54,13 @@ impl Waveform for Offset {
         by_differences(self, f_hz)
     }
 
-    fn of_emission(&self, emission: u64) -> Option<Arc<dyn Waveform>> {
+    fn of_emission(&self, emission: u64) -> Result<Option<Arc<dyn Waveform>>, WaveformError> {
         let own = self.waveform.of_emission(emission)?;
-        Some(Arc::new(Self { waveform: own, ..*self }))
+        Ok(own.map(|own| Arc::new(Self { waveform: own, ..*self }) as Arc<dyn Waveform>))
+    }
+
+    fn steadiness(&self, emissions: u64) -> f64 {
+        self.waveform.steadiness(emissions)
     }
 
     fn is_stream(&self) -> bool {
