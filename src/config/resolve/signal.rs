@@ -172,11 +172,12 @@ fn recording(section: &Section<'_>) -> Option<IqFile> {
     let datatype: Option<Datatype> = section.choice(&DATATYPE);
     let datatype = if written { datatype } else { known.map(|(_, of)| *of) };
     if datatype.is_none() && !written && path.is_some() {
-        refused(
-            &PATH,
-            "a file whose ending names no type of samples",
-            "that beside datatype, or another ending",
-        );
+        let found = match &ending {
+            Some(ending) => format!("a file of samples that ends in .{ending}"),
+            None => "a file of samples without an ending".to_owned(),
+        };
+        let known: Vec<&str> = Datatype::ENDINGS.iter().map(|(known, _)| *known).collect();
+        refused(&PATH, &found, &format!("datatype beside it, or one of the endings {}", known.join(", ")));
     }
     Some(IqFile { path: path?, raw: Some(RawIq { rate_hz: rate_hz?, datatype: datatype? }), after: after? })
 }

@@ -193,10 +193,16 @@ fn broadcast_and_satellites_are_what_they_say() {
         let error = coastal_with(&all).unwrap_err();
         error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
     };
-    insta::assert_snapshot!(refused("{ kind = 'gps-l1-ca', prn = 33, deviation_hz = 1e4 }", &[]), @"");
-    insta::assert_snapshot!(refused("{ kind = 'gps-l1-ca', prn = 3 }", &[("radar.sample_rate_hz", "1e6")]), @"");
-    insta::assert_snapshot!(refused("{ kind = 'fm', deviation_hz = 300e3, droop_db = 1 }", &[]), @"");
-    insta::assert_snapshot!(refused("{ kind = 'fm' }", &[("radar.prf_hz", "5000"), ("radar.sample_rate_hz", "2e5")]), @"");
+    insta::assert_snapshot!(refused("{ kind = 'gps-l1-ca', prn = 33, deviation_hz = 1e4 }", &[]), @r#"
+radar.waveform.prn: 33 is out of range; allowed: a whole number from 1 to 32
+radar.waveform.deviation_hz: not allowed here (kind = "gps-l1-ca")
+"#);
+    insta::assert_snapshot!(refused("{ kind = 'gps-l1-ca', prn = 3 }", &[("radar.sample_rate_hz", "1e6")]), @"radar.waveform.kind: 1.023e6 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 1e6 Hz");
+    insta::assert_snapshot!(refused("{ kind = 'fm', deviation_hz = 300e3, droop_db = 1 }", &[]), @"radar.waveform.deviation_hz: 300000.0 is out of range; allowed: a number from 5000 to 200000 Hz");
+    insta::assert_snapshot!(refused("{ kind = 'fm' }", &[("radar.prf_hz", "5000"), ("radar.sample_rate_hz", "2e5")]), @r#"
+radar.waveform.deviation_hz: 2.56e5 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 2e5 Hz
+radar.waveform.kind: kind = "fm" with segments of 62.5 samples is not allowed; allowed: 64 to 1.048576e6 samples in an interval, by prf_hz and its rate
+"#);
 }
 
 #[test]
@@ -222,13 +228,22 @@ fn a_recording_is_named_with_what_it_holds() {
         faults.replace(&in_configs().with_file_name("").display().to_string(), "")
     };
     let beside = |keys: &str| refused(&format!("{{ kind = 'iq-file', path = '../tests/data/iq/{keys} }}"));
-    insta::assert_snapshot!(refused("{ kind = 'iq-file', rate_hz = 1e6 }"), @"");
-    insta::assert_snapshot!(beside("none.sigmf-meta', after = 'stop'"), @"");
-    insta::assert_snapshot!(beside("noise.sigmf-data', rate_hz = 1e6, datatype = 'ci8'"), @"");
-    insta::assert_snapshot!(beside("noise.cs8', datatype = 'rf32_le'"), @"");
-    insta::assert_snapshot!(refused("{ kind = 'iq-file', path = 'test.toml', rate_hz = 1e6 }"), @"");
-    insta::assert_snapshot!(refused("{ kind = 'iq-file', path = 'quickstart.toml', rate_hz = 1e6 }"), @"");
-    insta::assert_snapshot!(beside("noise.cs8', rate_hz = 1e4"), @"");
+    insta::assert_snapshot!(refused("{ kind = 'iq-file', rate_hz = 1e6 }"), @"radar.waveform.path: is missing; required: a file that exists (relative to the scenario file)");
+    insta::assert_snapshot!(beside("none.sigmf-meta', after = 'stop'"), @r#"
+radar.waveform.path: there is no file ../tests/data/iq/none.sigmf-meta; allowed: a file that exists (relative to the scenario file)
+radar.waveform.after: "stop" is not allowed; allowed: "repeat", "silence"
+"#);
+    insta::assert_snapshot!(beside("noise.sigmf-data', rate_hz = 1e6, datatype = 'ci8'"), @r#"
+radar.waveform.rate_hz: not allowed here (the metadata of a SigMF recording have it)
+radar.waveform.datatype: not allowed here (the metadata of a SigMF recording have it)
+"#);
+    insta::assert_snapshot!(beside("noise.cs8', datatype = 'rf32_le'"), @r#"
+radar.waveform.rate_hz: is missing; required: a number from 1000 to 1e11 Hz
+radar.waveform.datatype: "rf32_le" is not allowed; allowed: "cf32_le", "cf64_le", "ci32_le", "ci16_le", "ci8", "cu32_le", "cu16_le", "cu8", "cf32_be", "cf64_be", "ci32_be", "ci16_be", "cu32_be", "cu16_be"
+"#);
+    insta::assert_snapshot!(refused("{ kind = 'iq-file', path = 'test.toml', rate_hz = 1e6 }"), @"radar.waveform.path: there is no file test.toml; allowed: a file that exists (relative to the scenario file)");
+    insta::assert_snapshot!(refused("{ kind = 'iq-file', path = 'quickstart.toml', rate_hz = 1e6 }"), @"radar.waveform.path: a file of samples that ends in .toml is not allowed; allowed: datatype beside it, or one of the endings cf32, fc32, c64, cfile, cf64, fc64, c128, cs16, sc16, ci16, cs8, sc8, cu8");
+    insta::assert_snapshot!(beside("noise.cs8', rate_hz = 1e4"), @r#"radar.waveform.kind: kind = "iq-file" with segments of 45.04504504504504 samples is not allowed; allowed: 64 to 1.048576e6 samples in an interval, by prf_hz and its rate"#);
 }
 
 /// A radar of a bandwidth far above its sample rate, that is dechirped.
