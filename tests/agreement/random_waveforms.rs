@@ -99,8 +99,8 @@ pub(super) fn endless(draw: &mut Draw, rate_hz: f64) -> Option<(String, f64)> {
     })
 }
 
-/// Now and then a continuous signal of a radar that receives continuously in place of its pulses and windows, for as few
-/// samples as its reference can make.
+/// Now and then a continuous signal of a radar that receives continuously in place of its pulses and
+/// windows, for as few samples as its reference can make.
 pub(super) fn continuous(
     draw: &mut Draw,
     (geometry, signal): (&Geometry, &Signal),

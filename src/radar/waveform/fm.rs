@@ -6,14 +6,14 @@
 //! M + S sin = sum_i w(t - i T/2) g_i x_i(t) ,   w = sin^2(pi t/T)   0 <= t < T = 40 ms
 //! ```
 //!
-//! `D` greatest deviation, Hz. A slot `x_i` is a sum of tones at multiples of 25 Hz: sum and difference of two
-//! channels, 50 Hz to 15 kHz, of complex Gaussian amplitudes that fall by 3 dB an octave (pink) and rise by the
-//! pre-emphasis of 50 us; the difference is 6 dB weaker. `g_i` makes its peak 0.91 at most, lower by 0 to
-//! 12 dB that are drawn every half second.
+//! `D` greatest deviation, Hz. A slot `x_i` is a sum of tones at multiples of 25 Hz: sum and difference of
+//! two channels, 50 Hz to 15 kHz, of complex Gaussian amplitudes that fall by 3 dB an octave (pink) and rise
+//! by the pre-emphasis of 50 us; the difference is 6 dB weaker. `g_i` makes its peak 0.91 at most, lower by 0
+//! to 12 dB that are drawn every half second.
 //!
-//! All tones are whole numbers of cycles of a slot, 2 and more. So the integral of one under `w` is 0, and the
-//! phase at any sample is that of the pilot and of the two slots that it lies in: nothing adds up from the
-//! beginning, and any sample is found by its number, exactly. `w` and the next one add to 1: `|m| <= 1`.
+//! All tones are whole numbers of cycles of a slot, 2 and more. So the integral of one under `w` is 0, and
+//! the phase at any sample is that of the pilot and of the two slots that it lies in: nothing adds up from
+//! the beginning, and any sample is found by its number, exactly. `w` and the next one add to 1: `|m| <= 1`.
 //!
 //! The rate is Carson's bandwidth `2 (D + 53 kHz)` over 0.83: the interpolation (`shaping`) is flat over it.
 
@@ -156,7 +156,8 @@ mod tests {
         bins.iter().map(|bin| 2.0 * bin.norm() / values.len() as f64).collect()
     }
 
-    /// No deviation is above the greatest, also where slots meet; the pilot has 9 % of it, the subcarrier none.
+    /// No deviation is above the greatest, also where slots meet; the pilot has 9 % of it, the subcarrier
+    /// none.
     #[test]
     fn the_multiplex_is_that_of_stereo() {
         for deviation_hz in [75e3, 50e3] {

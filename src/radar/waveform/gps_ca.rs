@@ -6,9 +6,10 @@
 //! ```
 //!
 //! Signs `c` and `d`: 0 is +1. `p` is a rectangle of the length of a chip that went through the interpolation
-//! (`shaping`) at ten samples a chip: flat within 4.25 MHz either side, gone beyond 6 MHz. So edges rise within
-//! 0.1 chips, with the ripple of a filter. `A` makes the mean power 1. 20 periods of the code are a bit `d` of
-//! the message, 50 a second. **Bits are drawn** by their number: there is no navigation message in them.
+//! (`shaping`) at ten samples a chip: flat within 4.25 MHz either side, gone beyond 6 MHz. So edges rise
+//! within 0.1 chips, with the ripple of a filter. `A` makes the mean power 1. 20 periods of the code are a
+//! bit `d` of the message, 50 a second. **Bits are drawn** by their number: there is no navigation message
+//! in them.
 //!
 //! Source: IS-GPS-200, sections 3.2.1.3 and 3.3.2.3, tables 3-Ia and 20.3.
 

@@ -10,11 +10,11 @@
 //! stretches of 65536, the first and the last among them. An integer type has 0 at the middle of its scale,
 //! of unsigned ones at half of it.
 //!
-//! What lies within 0.416 of the rate of the samples off the middle is radiated as it is. Beyond, up to half of
-//! the rate, it fades, and an image of it appears between 0.5 and 0.584.
+//! What lies within 0.416 of the rate of the samples off the middle is radiated as it is. Beyond, up to half
+//! of the rate, it fades, and an image of it appears between 0.5 and 0.584.
 //!
-//! The file stays open and is read at places, by any thread. It must stay as it is: a length, a time of change
-//! or a sample that is not what it was ends the run.
+//! The file stays open and is read at places, by any thread. It must stay as it is: a length, a time of
+//! change or a sample that is not what it was ends the run.
 
 use std::fs::{File, Metadata};
 use std::io;

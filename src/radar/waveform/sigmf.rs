@@ -1,8 +1,8 @@
 //! What the metadata of a SigMF recording say of its samples.
 //!
 //! Read are `core:datatype`, `core:sample_rate`, `core:num_channels`, `core:dataset`, `core:metadata_only`,
-//! `core:trailing_bytes`, and `core:header_bytes` of captures. Samples of all captures follow each other; when
-//! and at which frequency they were taken is not looked at. Source: SigMF 1.2.
+//! `core:trailing_bytes`, and `core:header_bytes` of captures. Samples of all captures follow each other;
+//! when and at which frequency they were taken is not looked at. Source: SigMF 1.2.
 
 use std::path::{Path, PathBuf};
 
