@@ -9,7 +9,9 @@ pub(super) use crate::motion::errors::{Between, Recorded};
 use crate::motion::gusts::LEVELS_MPS;
 pub(super) use crate::nav::{FileFormat, MotionBounds};
 pub(super) use crate::radar::clock::Oscillator;
-pub(super) use crate::scene::radar::{AimFrom, Constellation, DvbTMode, Guard, Polarisation};
+pub(super) use crate::scene::radar::{
+    AfterEnd, AimFrom, Constellation, Datatype, DvbTMode, Guard, Polarisation,
+};
 pub(super) use crate::scene::sea::{Averaging, Breaking, LightWinds, Permittivity, Phases, Splitting, Waves};
 pub(super) use crate::scene::ship::UpAxis;
 pub(super) use crate::scene::water::WindProfile;
@@ -49,6 +51,10 @@ macro_rules! words {
     };
 }
 
+impl Choice for Datatype {
+    const WORDS: &'static [(&'static str, Self)] = &Self::NAMED;
+}
+
 /// Choices that nothing but the reader of a scenario knows.
 macro_rules! choices {
     ($($choice:ident { $($value:ident = $word:literal),+ })*) => {
@@ -73,7 +79,7 @@ choices! {
     AimKind { At = "at", Beside = "beside" }
     WaveformKind {
         Lfm = "lfm", Nlfm = "nlfm", Cw = "cw", PhaseCode = "phase-code", File = "file", Noise = "noise",
-        DvbT = "dvb-t"
+        DvbT = "dvb-t", Fm = "fm", GpsCa = "gps-l1-ca", IqFile = "iq-file"
     }
     SweepKind { Up = "up", Down = "down", Triangular = "triangular" }
     TaperKind { Taylor = "taylor", Hamming = "hamming" }
@@ -182,6 +188,7 @@ words! {
     MotionBounds {
         "ship" = Self::SHIP, "ground" = Self::GROUND, "aircraft" = Self::AIRCRAFT, "spacecraft" = Self::SPACECRAFT
     }
+    AfterEnd { "repeat" = Self::Repeat, "silence" = Self::Silence }
     DvbTMode { "2k" = Self::K2, "8k" = Self::K8 }
     Guard { "1/4" = Self::Quarter, "1/8" = Self::Eighth, "1/16" = Self::Sixteenth, "1/32" = Self::Thirtysecond }
     Constellation { "qpsk" = Self::Qpsk, "16-qam" = Self::Qam16, "64-qam" = Self::Qam64 }

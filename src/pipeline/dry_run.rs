@@ -21,7 +21,7 @@ use std::sync::Arc;
 use num_complex::Complex32;
 
 use super::engines;
-use super::overheard::{least_share, segment_apart, share_of_pulses};
+use super::overheard::{least_share, segment_apart, share_of_pulses, steadiness};
 use super::stages::PulseFactory;
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
@@ -87,8 +87,10 @@ fn plan(
     (asked, mixed): (&Asked, f64),
 ) -> Result<Plan, BuildErrors> {
     // A pulse is judged by the mean of all, of which few may receive anything.
-    let share =
-        if generator.is_apart() { least_share(share_of_pulses(generator, generator)?) } else { mixed };
+    let share = match generator.is_apart() {
+        true => least_share(share_of_pulses(generator, generator)?) * steadiness(scene, waveform.as_ref()),
+        false => mixed,
+    };
     let finer = |error_db: f64| (error_db + 10.0 * share.log10()).max(EXACT_DB.min(error_db));
     let choose = |chooser: &mut Chooser<'_>, error_db: f64, node_pulses: Option<u64>| {
         let plan = chooser.choose(&Asked { error_db: finer(error_db), node_pulses, ..*asked })?;

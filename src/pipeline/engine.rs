@@ -159,7 +159,7 @@ impl EchoWorker for JointReferenceWorker<'_> {
         for emitted in generator.emissions_of_pulse(index, memory, pulse)? {
             let starts_s = pulse.window_starts_s();
             generator.paths_of_emission((index, emitted), starts_s, memory, paths)?;
-            if let Some(own) = waveform.of_emission(generator.number_of(emitted)) {
+            if let Some(own) = waveform.of_emission(generator.number_of(emitted))? {
                 echo.add_spectrum(own.as_ref(), paths, starts_s, spectrum);
             }
             memory.costs.lap(Stage::Spread);

@@ -243,6 +243,7 @@ impl From<PulseError> for BuildError {
         match error {
             PulseError::Radar(error) => error.into(),
             PulseError::Echo(error) => error.into(),
+            PulseError::Waveform(error) => error.into(),
             PulseError::Unplaced { .. } => Self::Pulse(error),
         }
     }
@@ -288,6 +289,9 @@ pub enum PulseError {
         /// How many.
         unplaced: usize,
     },
+    /// What it is an echo of.
+    #[error(transparent)]
+    Waveform(#[from] WaveformError),
 }
 
 /// Why a run cannot use its live navigation.

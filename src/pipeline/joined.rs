@@ -132,22 +132,26 @@ impl Joined {
 
     /// Adds the channels of an emission so long after the pulse of their windows, which start so long after
     /// that pulse, s; its echoes that are known are kept, others are made of the spectra of its channels.
-    pub fn take(
+    pub fn take<E>(
         &mut self,
         echoes: &mut Vec<Echo>,
         (emission, offset_s): (u64, f64),
         starts_s: impl Iterator<Item = f64>,
-        mut spectra: impl FnMut() -> Vec<Complex64>,
-    ) {
+        mut spectra: impl FnMut() -> Result<Vec<Complex64>, E>,
+    ) -> Result<(), E> {
         for (channel, start_s) in starts_s.enumerate() {
             let (later, rest) = self.place(offset_s, start_s);
             let known = echoes.iter().position(|echo| echo.is(emission, rest));
-            let at = known.unwrap_or_else(|| {
-                echoes.push(self.echo(emission, rest, spectra()));
-                echoes.len() - 1
-            });
+            let at = match known {
+                Some(at) => at,
+                None => {
+                    echoes.push(self.echo(emission, rest, spectra()?));
+                    echoes.len() - 1
+                }
+            };
             self.add(channel, &echoes[at], later);
         }
+        Ok(())
     }
 
     /// Adds a channel of an echo whose origin lies so many samples after the first of the window.

@@ -154,6 +154,11 @@ pub(super) fn least_share(share_of_pulses: f64) -> f64 {
     share_of_pulses.max(1.0 / PULSES as f64)
 }
 
+/// How steadily a train radiates.
+pub(super) fn steadiness(scene: &Scene, waveform: &dyn Waveform) -> f64 {
+    waveform.steadiness(scene.radar.emissions.number(scene.pulses))
+}
+
 /// Pulses of a segment of what is emitted apart from them: no longer than blocks of emissions are planned,
 /// and than grids have room for.
 pub(super) fn segment_apart(
@@ -204,6 +209,8 @@ pub(crate) struct Overheard {
     window_samples: usize,
     plan: Option<Plan>,
     share_of_pulses: f64,
+    /// Mean power of all pulses over that of the strongest.
+    judged: f64,
 }
 
 impl Emitting {
@@ -220,10 +227,11 @@ impl Emitting {
     ) -> Result<Overheard, BuildErrors> {
         let Self { name, scene, generator, waveform, channels, offset_hz } = self;
         let share_of_pulses = share_of_pulses(&generator, radar)?;
+        let judged = least_share(share_of_pulses) * steadiness(&scene, waveform.as_ref());
         let plan = match fidelity {
             Fidelity::Reference => None,
             Fidelity::Fast(asked) => {
-                let seldom_db = 10.0 * least_share(share_of_pulses).log10();
+                let seldom_db = 10.0 * judged.log10();
                 let one_by_one = asked.node_pulses.filter(|pulses| *pulses <= 1);
                 let error_db = asked.error_db - FINER_DB + seldom_db;
                 let error_db = if error_db <= ONE_BY_ONE_DB { EXACT_DB } else { error_db };
@@ -252,6 +260,7 @@ impl Emitting {
             window_samples,
             plan,
             share_of_pulses,
+            judged,
         })
     }
 }
@@ -269,7 +278,7 @@ impl Overheard {
 
     /// Its error over what a pulse has of it on average, a ratio of powers; 0 of the reference.
     pub fn error(&self) -> f64 {
-        self.plan.map_or(0.0, |plan| plan.prediction.total() / least_share(self.share_of_pulses))
+        self.plan.map_or(0.0, |plan| plan.prediction.total() / self.judged)
     }
 
     /// Grids of one worker, bytes.

@@ -109,7 +109,7 @@ impl SingleWorker<'_> {
         let mut replicas = Vec::new();
         for emitted in emissions {
             generator.paths_of_emission((index, emitted), starts_s, memory, paths)?;
-            let own = joint.waveform.of_emission(generator.number_of(emitted));
+            let own = joint.waveform.of_emission(generator.number_of(emitted))?;
             let Some(own) = own.filter(|_| !paths.is_empty()) else { continue };
             let offset_s = generator.offset_s(index, emitted);
             let origin_s = [offset_s + joint.span.origin_s];
@@ -125,7 +125,9 @@ impl SingleWorker<'_> {
             };
             check(found)?;
             let of_channels = channel_starts(starts_s, &windows, generator.channel_pairs());
-            joined.take(&mut Vec::new(), (emitted, offset_s), of_channels, || bins.clone());
+            joined.take(&mut Vec::new(), (emitted, offset_s), of_channels, || {
+                Ok::<_, PulseError>(bins.clone())
+            })?;
             memory.costs.lap(Stage::Spread);
             memory.costs.accumulated(found.spread);
         }

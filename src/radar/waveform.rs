@@ -18,7 +18,7 @@
 //! | [`Nlfm`] | nonlinear sweep, by a taper of its power spectrum | `4 <= B Tc <= 2e4` |
 //! | [`Coded`] | chips of equal length: phase codes, or one chip: a plain pulse | 65536 chips |
 //! | [`Sampled`] | samples from a file, band-limited to their rate | 131072 samples |
-//! | [`Stream`] | a continuous signal, a segment with every emission: [`Noise`], [`Television`] | 64 to 1048576 samples a segment |
+//! | [`Stream`] | a continuous signal, a segment with every emission: [`Noise`], [`Television`], [`Broadcast`], [`CoarseCode`], [`Recording`] | 64 to 1048576 samples a segment |
 //!
 //! ```
 //! use nereus::radar::waveform::{Lfm, Waveform};
@@ -33,13 +33,18 @@
 mod coded;
 mod drooping;
 mod dvb_t;
+mod fm;
 mod fresnel;
+mod gps_ca;
 mod gridded;
+mod iq_fault;
+mod iq_file;
 mod lfm;
 mod nlfm;
 mod noise;
 mod offset;
 mod sampled;
+mod sigmf;
 mod shaping;
 mod stream;
 mod table;
@@ -61,6 +66,10 @@ use crate::scene::radar::Source;
 pub use coded::Coded;
 pub use drooping::Drooping;
 pub use dvb_t::Television;
+pub use fm::Broadcast;
+pub use gps_ca::CoarseCode;
+pub use iq_fault::{IqFault, IqFaults};
+pub use iq_file::Recording;
 pub use lfm::Lfm;
 pub use nlfm::{MAX_NONLINEAR, MIN_NONLINEAR, Nlfm, SIDELOBES_DB};
 pub use noise::Noise;
@@ -105,13 +114,24 @@ pub trait Waveform: Send + Sync {
     }
 
     /// What an emission radiates where no two are alike; `None` where all are this pulse.
-    fn of_emission(&self, _emission: u64) -> Option<Arc<dyn Waveform>> {
-        None
+    ///
+    /// # Errors
+    /// A file that can no longer be read.
+    fn of_emission(&self, _emission: u64) -> Result<Option<Arc<dyn Waveform>>, WaveformError> {
+        Ok(None)
+    }
+
+    /// Mean power of the first so many emissions over the greatest that one has; 1 where all are alike.
+    fn steadiness(&self, _emissions: u64) -> f64 {
+        1.0
     }
 
     /// [`Self::of_emission`] of the first of these and of as many more as are found with it.
-    fn of_emissions(&self, emissions: Range<u64>) -> Vec<Arc<dyn Waveform>> {
-        self.of_emission(emissions.start).into_iter().collect()
+    ///
+    /// # Errors
+    /// Those of [`Self::of_emission`].
+    fn of_emissions(&self, emissions: Range<u64>) -> Result<Vec<Arc<dyn Waveform>>, WaveformError> {
+        Ok(self.of_emission(emissions.start)?.into_iter().collect())
     }
 
     /// Whether no two emissions are alike ([`Self::of_emission`]).
@@ -174,6 +194,9 @@ pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn 
             let signal: Arc<dyn Signal> = match source {
                 Source::Noise { bandwidth_hz, seed } => Arc::new(Noise::new(*bandwidth_hz, *seed)),
                 Source::DvbT { of, seed } => Arc::new(Television::new(*of, *seed)),
+                Source::Fm { of, seed } => Arc::new(Broadcast::new(*of, *seed)),
+                Source::GpsCa { prn, seed } => Arc::new(CoarseCode::new(*prn, *seed)),
+                Source::IqFile(of) => Arc::new(Recording::open(of)?),
             };
             Arc::new(Stream::new(signal, *interval_s)?)
         }
@@ -267,6 +290,14 @@ pub enum WaveformError {
         path: PathBuf,
         /// What is wrong with it.
         faults: SampleFaults,
+    },
+    /// A recording of a continuous signal that cannot be radiated.
+    #[error("IQ file {}: {faults}", path.display())]
+    IqFile {
+        /// Samples, or their metadata.
+        path: PathBuf,
+        /// What is wrong with it.
+        faults: IqFaults,
     },
     /// Samples given in memory do not make a pulse.
     #[error("waveform samples: {0}")]

@@ -1,6 +1,7 @@
 //! The instrument, as described: transmitters, receivers, channels, waveform, windows.
 
 mod pointing;
+mod signals;
 mod waveform;
 
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
 
 pub use pointing::{Aim, AimFrom, Encoder, Pointing, Scan, ScanLaw, Steering};
+pub use signals::{AfterEnd, CA_CHIPS_HZ, CA_RATE_HZ, Component, Datatype, Fm, IqFile, RawIq};
 pub use waveform::{Code, Constellation, Dechirp, DvbT, DvbTMode, Guard, Source, Sweep, Taper, Waveform};
 
 /// The radar: every emission and every receive window of a run.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use rand::Rng;
 
 use super::random_scene::{Draw, Flight, Geometry, LIGHT_MPS, Signal, line};
-use super::random_waveforms::{noise, waveform};
+use super::random_waveforms::{endless, waveform};
 
 const LOOKS: &str = "antenna = { kind = \"isotropic\", gain_dbi = 12.0 }\npointing = { kind = \"at\", position_m = [0.0, 0.0, 0.0] }";
 
@@ -130,7 +130,7 @@ pub(super) fn emitters(
         );
         let sweep = format!("bandwidth_hz = {bandwidth_hz:?}, pulse_s = {pulse_s:?}");
         let radiated = waveform(kinds, sweep, bandwidth_hz, pulse_s).join(", ");
-        let endless = noise(streams, signal.rate_hz);
+        let endless = endless(streams, signal.rate_hz);
         let radiated = endless.as_ref().map_or(&radiated, |(keys, _)| keys);
         line!(
             out,

@@ -72,16 +72,35 @@ fn segments(draw: &mut Draw, rate_hz: f64) -> [f64; 2] {
     [draw.log(70.0 / samples, 1.0) * rate_hz, rate_hz / samples]
 }
 
-/// Now and then noise in place of an emitter's waveform: its keys, and segments a second.
-pub(super) fn noise(draw: &mut Draw, rate_hz: f64) -> Option<(String, f64)> {
+/// The keys of a signal of about this bandwidth, each in a line, and segments a second: mostly noise, else a
+/// recording, or a code or a broadcast whose segments are long enough.
+fn signal(rate_hz: f64, [bandwidth_hz, prf_hz]: [f64; 2]) -> (String, f64) {
+    // Chosen by what was drawn, so that nothing else is drawn otherwise.
+    let choice = (bandwidth_hz * 1e3) as u64 % 8;
+    let [code_hz, broadcast_hz] = [10.23e6, 312.5e3].map(|hz: f64| prf_hz.min(hz / 70.0));
+    match choice {
+        0 | 1 => {
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/iq/noise.cs8");
+            (format!("kind = \"iq-file\"\npath = {path:?}\nrate_hz = {bandwidth_hz:?}"), prf_hz)
+        }
+        2 if rate_hz > 1.1e6 && rate_hz < 3000.0 * code_hz => {
+            (format!("kind = \"gps-l1-ca\"\nprn = {}", 1 + choice), code_hz)
+        }
+        3 if rate_hz > 300e3 && rate_hz < 3000.0 * broadcast_hz => ("kind = \"fm\"".to_owned(), broadcast_hz),
+        _ => (format!("kind = \"noise\"\nbandwidth_hz = {bandwidth_hz:?}"), prf_hz),
+    }
+}
+
+/// Now and then a continuous signal in place of an emitter's waveform: its keys, and segments a second.
+pub(super) fn endless(draw: &mut Draw, rate_hz: f64) -> Option<(String, f64)> {
     streams(draw, 0.25).then(|| {
-        let [bandwidth_hz, prf_hz] = segments(draw, rate_hz);
-        (format!("kind = \"noise\", bandwidth_hz = {bandwidth_hz:?}"), prf_hz)
+        let (keys, prf_hz) = signal(rate_hz, segments(draw, rate_hz));
+        (keys.replace('\n', ", "), prf_hz)
     })
 }
 
-/// Now and then noise of a radar that receives continuously in place of its pulses and windows, for as few
-/// samples as its reference can make.
+/// Now and then a continuous signal of a radar that receives continuously in place of its pulses and
+/// windows, for as few samples as its reference can make.
 pub(super) fn continuous(
     draw: &mut Draw,
     (geometry, signal): (&Geometry, &Signal),
@@ -92,7 +111,7 @@ pub(super) fn continuous(
         return None;
     }
     let samples = draw.log(300.0, 2000.0) as u64;
-    let [bandwidth_hz, prf_hz] = segments(draw, signal.rate_hz);
+    let (keys, prf_hz) = self::signal(signal.rate_hz, segments(draw, signal.rate_hz));
     let block_s = samples as f64 / signal.rate_hz;
     // The first echo comes late.
     let lasts_s = geometry.delays_s()[1] + 11.5 * block_s;
@@ -102,7 +121,7 @@ pub(super) fn continuous(
             table = line.to_owned();
             match line {
                 "[radar.waveform]" => {
-                    out.push(format!("{line}\nkind = \"noise\"\nbandwidth_hz = {bandwidth_hz:?}"));
+                    out.push(format!("{line}\n{keys}"));
                 }
                 "[radar.window]" => out.push(format!("{line}\ngate = \"continuous\"\nsamples = {samples}")),
                 _ => out.push(line.to_owned()),

@@ -8,7 +8,7 @@ use crate::motion::PlatformNav;
 use crate::nav::{AttitudeSource, FileFormat, FileSource, Place, TrackSource, VerticalDatum};
 use crate::radar::dechirp::factor;
 use crate::radar::filter::ReceiveFilter;
-use crate::scene::radar::{AimFrom, Dechirp, Gate, Sweep, Taper, TxPolarisation, Waveform};
+use crate::scene::radar::{AimFrom, Dechirp, Gate, Source, Sweep, Taper, TxPolarisation, Waveform};
 use crate::scene::{Emitter, Radar};
 use crate::sinks::Kind;
 use crate::sinks::asterix::Detection;
@@ -157,7 +157,13 @@ fn waveform_text(waveform: &Waveform) -> String {
         Waveform::Stream { source, interval_s } => {
             let wide = source.bandwidth_hz().map(|hz| format!(" of {} MHz", neat(hz / 1e6)));
             let wide = wide.unwrap_or_default();
-            format!("{}{wide}, continuous, in segments of {} us", source.name(), neat(interval_s * 1e6))
+            let which = match source {
+                Source::GpsCa { prn, .. } => format!(" {prn}"),
+                Source::IqFile(file) => format!(" {}", shown(&file.path)),
+                _ => String::new(),
+            };
+            let name = source.name();
+            format!("{name}{which}{wide}, continuous, in segments of {} us", neat(interval_s * 1e6))
         }
         Waveform::Samples { path, rate_hz } => {
             format!("samples of {} at {} MHz", shown(path), neat(rate_hz / 1e6))

@@ -28,7 +28,7 @@ tables! {
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
     }
     waveform "[radar.waveform] and [emitter.waveform]" "What is radiated, at unit amplitude." {
-        KIND "kind", Choice(words::<WaveformKind>), Required, "Linear or nonlinear frequency modulation, a plain pulse of the carrier, a phase code, samples from a file (docs/waveforms.md), or a continuous signal, of which every emission radiates the next segment (docs/continuous.md).";
+        KIND "kind", Choice(words::<WaveformKind>), Required, "Linear or nonlinear frequency modulation, a plain pulse of the carrier, a phase code, samples of a pulse from a file (docs/waveforms.md), or a continuous signal: noise, television, FM broadcast, a GPS code, a recording, of which every emission radiates the next segment (docs/continuous.md).";
         BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm, nlfm: swept bandwidth; noise: bandwidth, between points of a quarter of the power density; dvb-t: the channel, 6e6, 7e6 or 8e6.";
         PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm, nlfm, cw: pulse length.";
         SWEEP "sweep", Choice(words::<SweepKind>), Word("up"), "lfm, nlfm: direction of the sweep; lfm alone: triangular, up in the first half of the pulse and down in the second.";
@@ -41,9 +41,13 @@ tables! {
         CARRIERS "carriers", Choice(words::<DvbTMode>), Word("8k"), "dvb-t: 1705 or 6817 carriers.";
         GUARD "guard", Choice(words::<Guard>), Word("1/4"), "dvb-t: guard interval over the useful part of a symbol.";
         CONSTELLATION "constellation", Choice(words::<Constellation>), Word("64-qam"), "dvb-t: points of the data carriers.";
-        SEED "seed", count(0, u64::MAX), Means("0 of the radar, 1, 2, .. of the emitters in their order"), "noise, dvb-t: what it is drawn by. scene.seed does not change it.";
-        PATH "path", File, Required, "file: CSV lines re,im without a header.";
-        RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file: sample rate of the file.";
+        DEVIATION_HZ "deviation_hz", number("Hz", 5e3, 2e5), default(75e3), "fm: greatest deviation; twice that plus 106 kHz is the bandwidth, at most the sample rate.";
+        PRN "prn", count(1, 32), Required, "gps-l1-ca: number of the satellite's code.";
+        SEED "seed", count(0, u64::MAX), Means("0 of the radar, 1, 2, .. of the emitters in their order"), "noise, dvb-t, fm, gps-l1-ca: what it is drawn by. scene.seed does not change it.";
+        PATH "path", File, Required, "file: CSV lines re,im without a header; iq-file: samples, I before Q, or .sigmf-meta or .sigmf-data of a SigMF recording.";
+        RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file, iq-file: sample rate of the file; not of a SigMF recording, whose metadata have it.";
+        DATATYPE "datatype", Choice(words::<Datatype>), Means("by the ending of the file"), "iq-file: type of the samples, as SigMF names it; not of a SigMF recording. Endings that are known: cf32, fc32, c64, cfile, cf64, fc64, c128, cs16, sc16, ci16, cs8, sc8, cu8.";
+        AFTER "after", Choice(words::<AfterEnd>), Word("repeat"), "iq-file: what follows the last sample.";
         DROOP_DB "droop_db", number("dB", 0.0, 60.0), default(0.0), "How far the amplitude falls, linearly, from the begin of the pulse to its end. Pulses alone, without dechirp.";
     }
     dechirp "[radar.dechirp]" "What is received is multiplied by the conjugate of the waveform, filtered and sampled: an echo becomes a tone (docs/fmcw.md). Needs waveform.kind = \"lfm\", whose bandwidth may then exceed the sample rate." {

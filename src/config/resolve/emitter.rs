@@ -59,7 +59,8 @@ fn emitter(
     if let (Some((own_hz, radar_hz)), Some((waveform, sample_rate_hz))) = bands {
         let bandwidth_hz = match waveform.level() {
             Waveform::Samples { rate_hz, .. } => *rate_hz,
-            other => other.bandwidth_hz().unwrap_or(0.0),
+            // Of what a file has it is not known yet.
+            other => other.bandwidth_hz().unwrap_or(f64::INFINITY),
         };
         let (begins_hz, half_hz) = ((own_hz - radar_hz).abs() - 0.5 * bandwidth_hz, 0.5 * sample_rate_hz);
         if begins_hz >= half_hz {

@@ -1,11 +1,15 @@
 //! Trains of pulses and waveforms, of the radar and of emitters.
 
+use std::path::Path;
+
 use crate::config::choices::{Choice, CodeKind, SweepKind, TaperKind, WaveformKind};
 use crate::config::error::Problem;
 use crate::config::keys::{Key, figure};
 use crate::config::section::Section;
 use crate::radar::waveform::SEGMENT_SAMPLES;
-use crate::scene::radar::{Code, DvbT, Source, Sweep, Taper, Waveform};
+use crate::scene::radar::{
+    CA_CHIPS_HZ, Code, Datatype, DvbT, Fm, IqFile, RawIq, Source, Sweep, Taper, Waveform,
+};
 use crate::time::PulseTimes;
 
 /// Bandwidth times length of nonlinear sweeps: the least, and the most.
@@ -39,7 +43,7 @@ pub(super) fn waveform(
     (train, number): (Option<&PulseTimes>, u64),
 ) -> Option<Waveform> {
     use crate::config::keys::waveform::{
-        BANDWIDTH_HZ, CHIP_S, DROOP_DB, KIND, PATH, PULSE_S, RATE_HZ, SWEEP,
+        BANDWIDTH_HZ, CHIP_S, DEVIATION_HZ, DROOP_DB, KIND, PATH, PRN, PULSE_S, RATE_HZ, SWEEP,
     };
     let too_wide = |key: &'static Key, bandwidth_hz: f64| {
         if let Some(sample_rate_hz) = sample_rate_hz.filter(|rate_hz| bandwidth_hz > *rate_hz) {
@@ -96,13 +100,30 @@ pub(super) fn waveform(
             let (bandwidth_hz, seed) = (section.number(&BANDWIDTH_HZ), seed(&section, number));
             bandwidth_hz.into_iter().for_each(|bandwidth_hz| too_wide(&BANDWIDTH_HZ, bandwidth_hz));
             let source = bandwidth_hz.zip(seed).map(|(hz, seed)| Source::Noise { bandwidth_hz: hz, seed });
-            source.and_then(|source| stream(&section, source, bandwidth_hz, train))
+            source.and_then(|source| stream(&section, source, train))
         }
         Some(WaveformKind::DvbT) => {
             let (of, seed) = (television(&section), seed(&section, number));
             of.iter().for_each(|of| too_wide(&BANDWIDTH_HZ, of.occupied_hz()));
             let source = of.zip(seed).map(|(of, seed)| Source::DvbT { of, seed });
-            source.and_then(|source| stream(&section, source, of.map(|of| of.rate_hz()), train))
+            source.and_then(|source| stream(&section, source, train))
+        }
+        Some(WaveformKind::Fm) => {
+            let (deviation_hz, seed) = (section.number(&DEVIATION_HZ), seed(&section, number));
+            let of = deviation_hz.map(|deviation_hz| Fm { deviation_hz });
+            of.iter().for_each(|of| too_wide(&DEVIATION_HZ, of.occupied_hz()));
+            let source = of.zip(seed).map(|(of, seed)| Source::Fm { of, seed });
+            source.and_then(|source| stream(&section, source, train))
+        }
+        Some(WaveformKind::GpsCa) => {
+            let prn = section.count(&PRN).and_then(|prn| u8::try_from(prn).ok());
+            too_wide(&KIND, CA_CHIPS_HZ);
+            let source = prn.zip(seed(&section, number)).map(|(prn, seed)| Source::GpsCa { prn, seed });
+            source.and_then(|source| stream(&section, source, train))
+        }
+        Some(WaveformKind::IqFile) => {
+            let source = recording(&section).map(Source::IqFile);
+            source.and_then(|source| stream(&section, source, train))
         }
         None => None,
     };
@@ -124,13 +145,45 @@ fn seed(section: &Section<'_>, number: u64) -> Option<u64> {
     if section.has(&SEED) { section.count(&SEED) } else { Some(number) }
 }
 
-/// A continuous signal of so many samples a second, in segments as long as the pulse interval.
-fn stream(
-    section: &Section<'_>,
-    source: Source,
-    rate_hz: Option<f64>,
-    train: Option<&PulseTimes>,
-) -> Option<Waveform> {
+/// A recording, and what its samples are.
+fn recording(section: &Section<'_>) -> Option<IqFile> {
+    use crate::config::keys::waveform::{AFTER, DATATYPE, PATH, RATE_HZ};
+    let (path, after) = (section.file(&PATH), section.choice(&AFTER));
+    // By the name, also where there is no such file.
+    let ending = section.peek_text(&PATH).and_then(|path| Path::new(path).extension()?.to_str());
+    let ending = ending.map(str::to_ascii_lowercase);
+    let known = Datatype::ENDINGS.iter().find(|(known, _)| ending.as_deref() == Some(known));
+    let refused = |key, found: &str, allowed: &str| {
+        section.fault(key, Problem::Type { found: found.to_owned(), allowed: allowed.to_owned() });
+    };
+    if let Some(own @ ("sigmf-meta" | "sigmf-data" | "sigmf" | "sigmf-collection")) = ending.as_deref() {
+        section.idle(&[&RATE_HZ, &DATATYPE], "the metadata of a SigMF recording have it");
+        match own {
+            "sigmf" => refused(&PATH, "an archive of SigMF", "the .sigmf-meta in it (tar xf)"),
+            "sigmf-collection" => {
+                refused(&PATH, "a collection of SigMF", "the .sigmf-meta of one recording");
+            }
+            _ => return Some(IqFile { path: path?, raw: None, after: after? }),
+        }
+        return None;
+    }
+    let rate_hz = section.number(&RATE_HZ);
+    let written = section.has(&DATATYPE);
+    let datatype: Option<Datatype> = section.choice(&DATATYPE);
+    let datatype = if written { datatype } else { known.map(|(_, of)| *of) };
+    if datatype.is_none() && !written && path.is_some() {
+        let found = match &ending {
+            Some(ending) => format!("a file of samples that ends in .{ending}"),
+            None => "a file of samples without an ending".to_owned(),
+        };
+        let known: Vec<&str> = Datatype::ENDINGS.iter().map(|(known, _)| *known).collect();
+        refused(&PATH, &found, &format!("datatype beside it, or one of the endings {}", known.join(", ")));
+    }
+    Some(IqFile { path: path?, raw: Some(RawIq { rate_hz: rate_hz?, datatype: datatype? }), after: after? })
+}
+
+/// A continuous signal in segments as long as the pulse interval.
+fn stream(section: &Section<'_>, source: Source, train: Option<&PulseTimes>) -> Option<Waveform> {
     use crate::config::keys::waveform::KIND;
     let (train, kind) = (train?, source.name());
     let refused = |found: String, allowed: String| {
@@ -143,7 +196,7 @@ fn stream(
     }
     let interval_s = train.mean_pri_s();
     let [least, most] = SEGMENT_SAMPLES;
-    let samples = rate_hz.map(|rate_hz| rate_hz * interval_s);
+    let samples = source.rate_hz().map(|rate_hz| rate_hz * interval_s);
     if let Some(samples) = samples.filter(|samples| !(least..=most).contains(samples)) {
         let found = format!("kind = \"{kind}\" with segments of {} samples", figure(samples));
         let allowed =

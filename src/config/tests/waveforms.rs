@@ -1,13 +1,16 @@
 //! Waveforms: what they say, and what they may not.
 
 use super::*;
-use crate::scene::radar::{Code, Source, Sweep, Taper, Waveform};
+use crate::scene::radar::{AfterEnd, Code, Datatype, Fm, IqFile, RawIq, Source, Sweep, Taper, Waveform};
 
 /// A continuous signal.
 const ENDLESS: [(&str, &str); 2] = [
     ("radar.window", "{ gate = 'continuous', samples = 1000 }"),
     ("radar.waveform", "{ kind = 'noise', bandwidth_hz = 1e6, seed = 5 }"),
 ];
+
+/// A recording.
+const IQ_FILE: &str = "{ kind = 'iq-file', path = '../tests/data/iq/noise.cs8', rate_hz = 1e6, datatype = 'ci8', after = 'silence' }";
 
 /// Scenarios by which every key of a waveform is read.
 pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>)> {
@@ -22,6 +25,13 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
         vec![("radar.dechirp", "{ delay_us = 0 }")],
         ENDLESS.to_vec(),
         vec![ENDLESS[0], ("radar.waveform", "{ kind = 'dvb-t', bandwidth_hz = 8e6 }")],
+        vec![
+            ENDLESS[0],
+            ("radar.prf_hz", "1000"),
+            ("radar.waveform", "{ kind = 'fm', deviation_hz = 50e3 }"),
+        ],
+        vec![ENDLESS[0], ("radar.waveform", "{ kind = 'gps-l1-ca', prn = 9 }")],
+        vec![ENDLESS[0], ("radar.waveform", IQ_FILE)],
     ])
     .map(|settings| (COASTAL, settings))
     .collect()
@@ -161,6 +171,79 @@ fn television_is_that_of_the_standard() {
     assert!(narrow.contains("radar.waveform.carriers: \"4k\" is not allowed"), "{narrow}");
     let chips = refused("{ kind = 'dvb-t', bandwidth_hz = 8e6, chips = 3 }");
     assert!(chips.contains("radar.waveform.chips: not allowed here (kind = \"dvb-t\")"), "{chips}");
+}
+
+/// What is in the air beside television.
+#[test]
+fn broadcast_and_satellites_are_what_they_say() {
+    let with =
+        |waveform: &str| coastal_with(&[ENDLESS[0], ("radar.prf_hz", "1000"), ("radar.waveform", waveform)]);
+    let source = |waveform: &str| match with(waveform).unwrap().scene.radar.waveform {
+        Waveform::Stream { source, .. } => source,
+        other => panic!("{other:?}"),
+    };
+    let fm = source("{ kind = 'fm', seed = 4 }");
+    assert_eq!(fm, Source::Fm { of: Fm { deviation_hz: 75e3 }, seed: 4 });
+    assert_eq!((fm.bandwidth_hz(), fm.rate_hz()), (Some(256e3), Some(312_500.0)));
+    let satellite = source("{ kind = 'gps-l1-ca', prn = 32 }");
+    assert_eq!(satellite, Source::GpsCa { prn: 32, seed: 0 });
+    assert_eq!((satellite.bandwidth_hz(), satellite.rate_hz()), (Some(1.023e6), Some(10.23e6)));
+    let refused = |waveform: &str, more: &[(&str, &str)]| {
+        let all = [&[ENDLESS[0], ("radar.prf_hz", "1000"), ("radar.waveform", waveform)], more].concat();
+        let error = coastal_with(&all).unwrap_err();
+        error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>()
+    };
+    insta::assert_snapshot!(refused("{ kind = 'gps-l1-ca', prn = 33, deviation_hz = 1e4 }", &[]), @r#"
+radar.waveform.prn: 33 is out of range; allowed: a whole number from 1 to 32
+radar.waveform.deviation_hz: not allowed here (kind = "gps-l1-ca")
+"#);
+    insta::assert_snapshot!(refused("{ kind = 'gps-l1-ca', prn = 3 }", &[("radar.sample_rate_hz", "1e6")]), @"radar.waveform.kind: 1.023e6 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 1e6 Hz");
+    insta::assert_snapshot!(refused("{ kind = 'fm', deviation_hz = 300e3, droop_db = 1 }", &[]), @"radar.waveform.deviation_hz: 300000.0 is out of range; allowed: a number from 5000 to 200000 Hz");
+    insta::assert_snapshot!(refused("{ kind = 'fm' }", &[("radar.prf_hz", "5000"), ("radar.sample_rate_hz", "2e5")]), @r#"
+radar.waveform.deviation_hz: 2.56e5 Hz exceeds the sample rate (radar.sample_rate_hz); allowed: up to 2e5 Hz
+radar.waveform.kind: kind = "fm" with segments of 62.5 samples is not allowed; allowed: 64 to 1.048576e6 samples in an interval, by prf_hz and its rate
+"#);
+}
+
+#[test]
+fn a_recording_is_named_with_what_it_holds() {
+    let of = |waveform: &str| coastal_with(&[ENDLESS[0], ("radar.waveform", waveform)]);
+    let file = |waveform: &str| match of(waveform).unwrap().scene.radar.waveform {
+        Waveform::Stream { source: Source::IqFile(file), .. } => file,
+        other => panic!("{other:?}"),
+    };
+    let path = in_configs().with_file_name("../tests/data/iq/noise.cs8");
+    let datatype = Datatype::named("ci8").unwrap();
+    let expected = IqFile { path, raw: Some(RawIq { rate_hz: 1e6, datatype }), after: AfterEnd::Silence };
+    assert_eq!(file(IQ_FILE), expected);
+    let by_ending = file("{ kind = 'iq-file', path = '../tests/data/iq/noise.cs8', rate_hz = 1e6 }");
+    assert_eq!(by_ending, IqFile { after: AfterEnd::Repeat, ..expected });
+    let described = file("{ kind = 'iq-file', path = '../tests/data/iq/noise.sigmf-meta' }");
+    assert_eq!(described.raw, None);
+    let found = crate::radar::waveform::Recording::open(&described).unwrap();
+    assert_eq!(crate::radar::waveform::Signal::rate_hz(&found), 1e6);
+    let refused = |waveform: &str| {
+        let error = of(waveform).unwrap_err();
+        let faults = error.faults().iter().map(|fault| format!("{fault}\n")).collect::<String>();
+        faults.replace(&in_configs().with_file_name("").display().to_string(), "")
+    };
+    let beside = |keys: &str| refused(&format!("{{ kind = 'iq-file', path = '../tests/data/iq/{keys} }}"));
+    insta::assert_snapshot!(refused("{ kind = 'iq-file', rate_hz = 1e6 }"), @"radar.waveform.path: is missing; required: a file that exists (relative to the scenario file)");
+    insta::assert_snapshot!(beside("none.sigmf-meta', after = 'stop'"), @r#"
+radar.waveform.path: there is no file ../tests/data/iq/none.sigmf-meta; allowed: a file that exists (relative to the scenario file)
+radar.waveform.after: "stop" is not allowed; allowed: "repeat", "silence"
+"#);
+    insta::assert_snapshot!(beside("noise.sigmf-data', rate_hz = 1e6, datatype = 'ci8'"), @r#"
+radar.waveform.rate_hz: not allowed here (the metadata of a SigMF recording have it)
+radar.waveform.datatype: not allowed here (the metadata of a SigMF recording have it)
+"#);
+    insta::assert_snapshot!(beside("noise.cs8', datatype = 'rf32_le'"), @r#"
+radar.waveform.rate_hz: is missing; required: a number from 1000 to 1e11 Hz
+radar.waveform.datatype: "rf32_le" is not allowed; allowed: "cf32_le", "cf64_le", "ci32_le", "ci16_le", "ci8", "cu32_le", "cu16_le", "cu8", "cf32_be", "cf64_be", "ci32_be", "ci16_be", "cu32_be", "cu16_be"
+"#);
+    insta::assert_snapshot!(refused("{ kind = 'iq-file', path = 'test.toml', rate_hz = 1e6 }"), @"radar.waveform.path: there is no file test.toml; allowed: a file that exists (relative to the scenario file)");
+    insta::assert_snapshot!(refused("{ kind = 'iq-file', path = 'quickstart.toml', rate_hz = 1e6 }"), @"radar.waveform.path: a file of samples that ends in .toml is not allowed; allowed: datatype beside it, or one of the endings cf32, fc32, c64, cfile, cf64, fc64, c128, cs16, sc16, ci16, cs8, sc8, cu8");
+    insta::assert_snapshot!(beside("noise.cs8', rate_hz = 1e4"), @r#"radar.waveform.kind: kind = "iq-file" with segments of 45.04504504504504 samples is not allowed; allowed: 64 to 1.048576e6 samples in an interval, by prf_hz and its rate"#);
 }
 
 /// A radar of a bandwidth far above its sample rate, that is dechirped.

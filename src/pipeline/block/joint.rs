@@ -10,7 +10,7 @@ use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::joined::{Echo, Joined, Span, channel_starts};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
-use crate::radar::waveform::Waveform;
+use crate::radar::waveform::{Waveform, WaveformError};
 use crate::scene::radar::Radar;
 
 /// What is radiated by a train of which no two emissions are alike, and who receives it.
@@ -82,15 +82,18 @@ fn radiated<'r>(
     waveform: &dyn Waveform,
     emission: u64,
     end: u64,
-) -> Option<&'r dyn Waveform> {
+) -> Result<Option<&'r dyn Waveform>, WaveformError> {
     if !(*first..*first + known.len() as u64).contains(&emission) {
-        (*first, *known) = (emission, waveform.of_emissions(emission..end.max(emission + 1)));
+        (*first, *known) = (emission, waveform.of_emissions(emission..end.max(emission + 1))?);
     }
-    known.get((emission - *first) as usize).map(AsRef::as_ref)
+    Ok(known.get((emission - *first) as usize).map(AsRef::as_ref))
 }
 
 impl BlockEcho {
     /// The spectra of a pulse from the grids of the emissions that it receives.
+    ///
+    /// # Errors
+    /// A signal that can no longer be read.
     pub(super) fn join(
         &self,
         (index, pulse): (u64, &Pulse),
@@ -98,9 +101,9 @@ impl BlockEcho {
         memory: &mut Workspace,
         spectrum: &mut [Complex64],
         work: &mut BlockWork,
-    ) {
+    ) -> Result<(), WaveformError> {
         let BlockWork { made, received, frame, grids, scratch, joint: own, spread, .. } = work;
-        let (Some(joint), Some(own)) = (&self.joint, own) else { return };
+        let (Some(joint), Some(own)) = (&self.joint, own) else { return Ok(()) };
         let emissions = received.of_pulses().get((index - made.start) as usize).cloned().unwrap_or(0..0);
         let (starts_s, windows) = (pulse.window_starts_s(), generator.pair_windows());
         let (channels, out_len) = (generator.channel_pairs().len(), joint.out_len());
@@ -112,19 +115,20 @@ impl BlockEcho {
             let of_channels = channel_starts(starts_s, &windows, generator.channel_pairs());
             joined.take(echoes, (emitted, offset_s), of_channels, || {
                 let [number, end] = [emitted, gridded.end].map(|of| generator.number_of(of));
-                if let Some(waveform) = radiated(known, joint.waveform.as_ref(), number, end) {
+                if let Some(waveform) = radiated(known, joint.waveform.as_ref(), number, end)? {
                     self.synth.replicas_of(waveform, frame.mean_hz(), replicas);
                 }
                 let mut bins = vec![Complex64::ZERO; channels * self.synth.fft_len()];
                 let of = (&*frame, (emitted - gridded.start) as usize);
                 self.synth.spectrum_by(replicas, of, grids, scratch, &mut bins);
-                bins
-            });
+                Ok::<_, WaveformError>(bins)
+            })?;
         }
         for (channel, out) in spectrum.chunks_exact_mut(out_len).enumerate() {
             joined.spectrum(channel, out);
         }
         memory.costs.lap(Stage::Transform);
         memory.costs.accumulated(*spread);
+        Ok(())
     }
 }

@@ -286,7 +286,7 @@ impl BlockEcho {
             return Ok(());
         }
         if self.joint.is_some() {
-            self.join((index, pulse), generator, memory, spectrum, work);
+            self.join((index, pulse), generator, memory, spectrum, work)?;
             return Ok(());
         }
         let BlockWork { made, frame, grids, scratch, .. } = &mut *work;

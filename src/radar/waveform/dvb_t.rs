@@ -25,6 +25,7 @@ use nereus_fft::Fft;
 use num_complex::Complex64;
 use rand::Rng;
 
+use super::WaveformError;
 use super::stream::Signal;
 use crate::rng::{Room, stream};
 use crate::scene::radar::{DvbT, DvbTMode};
@@ -155,7 +156,7 @@ impl Signal for Television {
         self.of.occupied_hz()
     }
 
-    fn fill(&self, first: u64, out: &mut [Complex64]) {
+    fn fill(&self, first: u64, out: &mut [Complex64]) -> Result<(), WaveformError> {
         let (samples, guard) = (self.of.samples(), self.of.guard_samples());
         let length = (samples + guard) as u64;
         let (mut at, mut rest, mut symbol) = (first, out, Vec::new());
@@ -170,6 +171,7 @@ impl Signal for Television {
             at += now.len() as u64;
             rest = later;
         }
+        Ok(())
     }
 }
 
@@ -234,7 +236,7 @@ mod tests {
             let length = (samples + guard) as u64;
             for (number, early) in [(0, 0), (70, guard), (201, 5)] {
                 let mut values = vec![Complex64::ZERO; samples];
-                own.fill(number * length + (guard - early) as u64, &mut values);
+                own.fill(number * length + (guard - early) as u64, &mut values).unwrap();
                 nereus_fft::forward(samples).process(&mut values);
                 let middle = own.carriers.len() / 2;
                 let mut pilots = 0;
@@ -262,11 +264,11 @@ mod tests {
     fn parts_are_those_of_the_whole() {
         let own = television(DvbTMode::K2, Guard::Eighth);
         let mut all = vec![Complex64::ZERO; 300_000];
-        own.fill(1 << 33, &mut all);
+        own.fill(1 << 33, &mut all).unwrap();
         let power = all.iter().map(Complex64::norm_sqr).sum::<f64>() / all.len() as f64;
         assert!((power - 1.0).abs() < 0.01, "{power}");
         let mut part = vec![Complex64::ZERO; 5000];
-        television(DvbTMode::K2, Guard::Eighth).fill((1 << 33) + 123_457, &mut part);
+        television(DvbTMode::K2, Guard::Eighth).fill((1 << 33) + 123_457, &mut part).unwrap();
         assert_eq!(part, all[123_457..128_457]);
     }
 

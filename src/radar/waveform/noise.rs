@@ -6,6 +6,7 @@
 use num_complex::Complex64;
 use rand::Rng;
 
+use super::WaveformError;
 use super::shaping::white_power;
 use super::stream::Signal;
 use crate::radar::phasor::phasor;
@@ -41,7 +42,7 @@ impl Signal for Noise {
         self.bandwidth_hz
     }
 
-    fn fill(&self, first: u64, out: &mut [Complex64]) {
+    fn fill(&self, first: u64, out: &mut [Complex64]) -> Result<(), WaveformError> {
         let mut numbers = stream(self.seed, Room::Waveform, 0, 0);
         numbers.set_word_pos(WORDS * u128::from(first));
         let scale = white_power().recip();
@@ -50,6 +51,7 @@ impl Signal for Noise {
             let [a, b] = [(); 2].map(|()| (numbers.next_u64() >> 11) as f64 * 2f64.powi(-53));
             *sample = phasor(b) * (-scale * (1.0 - a).ln()).sqrt();
         }
+        Ok(())
     }
 }
 
@@ -61,8 +63,8 @@ mod tests {
     fn samples_depend_on_their_number_alone() {
         let noise = Noise::new(1e6, 7);
         let (mut all, mut part) = (vec![Complex64::ZERO; 100], vec![Complex64::ZERO; 40]);
-        noise.fill(1 << 40, &mut all);
-        noise.fill((1 << 40) + 33, &mut part);
+        noise.fill(1 << 40, &mut all).unwrap();
+        noise.fill((1 << 40) + 33, &mut part).unwrap();
         assert_eq!(part, all[33..73]);
     }
 }

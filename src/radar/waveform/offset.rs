@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use super::{Waveform, by_differences};
+use super::{Waveform, WaveformError, by_differences};
 
 /// A waveform whose carrier lies so far above that of the receiver:
 ///
@@ -67,14 +67,18 @@ impl Waveform for Offset {
         by_differences(self, f_hz)
     }
 
-    fn of_emission(&self, emission: u64) -> Option<Arc<dyn Waveform>> {
+    fn of_emission(&self, emission: u64) -> Result<Option<Arc<dyn Waveform>>, WaveformError> {
         let own = self.waveform.of_emission(emission)?;
-        Some(Arc::new(Self { waveform: own, ..*self }))
+        Ok(own.map(|own| Arc::new(Self { waveform: own, ..*self }) as Arc<dyn Waveform>))
     }
 
-    fn of_emissions(&self, emissions: Range<u64>) -> Vec<Arc<dyn Waveform>> {
+    fn steadiness(&self, emissions: u64) -> f64 {
+        self.waveform.steadiness(emissions)
+    }
+
+    fn of_emissions(&self, emissions: Range<u64>) -> Result<Vec<Arc<dyn Waveform>>, WaveformError> {
         let of = |waveform| Arc::new(Self { waveform, ..*self }) as Arc<dyn Waveform>;
-        self.waveform.of_emissions(emissions).into_iter().map(of).collect()
+        Ok(self.waveform.of_emissions(emissions)?.into_iter().map(of).collect())
     }
 
     fn is_stream(&self) -> bool {

@@ -17,6 +17,7 @@ use std::sync::OnceLock;
 use num_complex::Complex64;
 
 use super::gridded::lagrange;
+use crate::units::GAUSS_16;
 
 /// Samples that the interpolation reaches to either side.
 pub const REACH: usize = 20;
@@ -77,6 +78,26 @@ pub fn white_power() -> f64 {
         let reach = (REACH * FINE) as i32;
         (-reach..=reach).map(|i| kernel(f64::from(i) / FINE as f64).powi(2)).sum::<f64>() / FINE as f64
     })
+}
+
+/// `int h(u) h(u - k) du` for `k = 0 ..= 2 K`: two samples that lie `k` apart add to the mean power by that.
+pub fn overlaps() -> Vec<f64> {
+    let of: Vec<f64> =
+        (0..=2 * REACH * FINE).map(|i| kernel(i as f64 / FINE as f64 - REACH as f64)).collect();
+    let apart = |k: usize| of.iter().skip(k * FINE).zip(&of).map(|(a, b)| a * b).sum::<f64>() / FINE as f64;
+    (0..=2 * REACH).map(apart).collect()
+}
+
+/// `int h(u) du` from one whole number to the next, from `-K` on.
+pub fn areas() -> Vec<f64> {
+    let half = |middle: f64, (x, weight): &(f64, f64)| {
+        0.5 * weight * (kernel(middle + 0.5 * x) + kernel(middle - 0.5 * x))
+    };
+    let of = |i: usize| {
+        let middle = i as f64 + 0.5 - REACH as f64;
+        GAUSS_16.iter().map(|node| half(middle, node)).sum()
+    };
+    (0..2 * REACH).map(of).collect()
 }
 
 /// `H` from one step before 0 to two beyond 1.

@@ -40,7 +40,20 @@ pub trait Signal: Send + Sync {
     fn bandwidth_hz(&self) -> f64;
 
     /// Fills in the samples from one on, whatever was asked before.
-    fn fill(&self, first: u64, out: &mut [Complex64]);
+    ///
+    /// # Errors
+    /// A file that can no longer be read.
+    fn fill(&self, first: u64, out: &mut [Complex64]) -> Result<(), WaveformError>;
+
+    /// A sample from which on it is as strong as it mostly is: what is planned goes by the segment there.
+    fn typical(&self) -> u64 {
+        0
+    }
+
+    /// Mean power of the first `all` samples over the greatest of `samples` in a row.
+    fn steadiness(&self, _samples: u64, _all: u64) -> f64 {
+        1.0
+    }
 }
 
 /// A continuous signal in segments.
@@ -52,8 +65,8 @@ pub struct Stream {
     rest: f64,
     duration_s: f64,
     plan: Plan,
-    /// Segment 0.
-    first: Arc<Segment>,
+    /// The segment of [`Signal::typical`].
+    typical: Arc<Segment>,
 }
 
 /// One segment of a continuous signal.
@@ -75,7 +88,7 @@ impl Stream {
     /// A signal whose segments leave at this interval, s.
     ///
     /// # Errors
-    /// Segments of too few or too many samples.
+    /// Segments of too few or too many samples, a file that can no longer be read.
     pub fn new(signal: Arc<dyn Signal>, interval_s: f64) -> Result<Self, WaveformError> {
         let rate_hz = signal.rate_hz();
         let samples = rate_hz * interval_s;
@@ -88,8 +101,9 @@ impl Stream {
         let (whole, rest) = (samples.floor(), samples.fract());
         let duration_s = interval_s + 2.0 * REACH as f64 / rate_hz;
         let plan = Plan::new(whole as usize + 2);
-        let first = segment(&signal, &plan, duration_s, (whole as u64, rest), 0);
-        Ok(Self { signal, whole: whole as u64, rest, duration_s, plan, first: Arc::new(first) })
+        let typical = (signal.typical() as f64 / samples) as u64;
+        let typical = segment(&signal, &plan, duration_s, (whole as u64, rest), typical)?;
+        Ok(Self { signal, whole: whole as u64, rest, duration_s, plan, typical: Arc::new(typical) })
     }
 }
 
@@ -101,11 +115,17 @@ fn bound((whole, rest): (u64, f64), k: u64) -> (u64, f64) {
     if fraction > 0.0 { (before.wrapping_add(1), 1.0 - fraction) } else { (before, 0.0) }
 }
 
-fn segment(signal: &Arc<dyn Signal>, plan: &Plan, duration_s: f64, interval: (u64, f64), k: u64) -> Segment {
+fn segment(
+    signal: &Arc<dyn Signal>,
+    plan: &Plan,
+    duration_s: f64,
+    interval: (u64, f64),
+    k: u64,
+) -> Result<Segment, WaveformError> {
     let ((from, late), (to, _)) = (bound(interval, k), bound(interval, k.wrapping_add(1)));
     let mut samples = vec![Complex64::ZERO; to.wrapping_sub(from) as usize];
-    signal.fill(from, &mut samples);
-    segment_of(signal, plan, duration_s, late, samples)
+    signal.fill(from, &mut samples)?;
+    Ok(segment_of(signal, plan, duration_s, late, samples))
 }
 
 fn segment_of(
@@ -214,7 +234,7 @@ impl Waveform for Segment {
     }
 }
 
-/// What is said of it, and its spectrum, are those of segment 0.
+/// What is said of it, and its spectrum, are those of one segment: 0, unless that is much weaker than others.
 impl Waveform for Stream {
     fn name(&self) -> &str {
         self.signal.name()
@@ -229,37 +249,43 @@ impl Waveform for Stream {
     }
 
     fn spectrum(&self, f_hz: f64) -> Complex64 {
-        self.first.spectrum(f_hz)
+        self.typical.spectrum(f_hz)
     }
 
     fn sample(&self, t_s: f64) -> Complex64 {
-        self.first.sample(t_s)
+        self.typical.sample(t_s)
     }
 
     fn moment_spectrum(&self, f_hz: f64) -> Complex64 {
-        self.first.moment_spectrum(f_hz)
+        self.typical.moment_spectrum(f_hz)
     }
 
-    fn of_emission(&self, emission: u64) -> Option<Arc<dyn Waveform>> {
+    fn of_emission(&self, emission: u64) -> Result<Option<Arc<dyn Waveform>>, WaveformError> {
         let Self { signal, plan, duration_s, .. } = self;
-        Some(Arc::new(segment(signal, plan, *duration_s, (self.whole, self.rest), emission)))
+        let own = segment(signal, plan, *duration_s, (self.whole, self.rest), emission)?;
+        Ok(Some(Arc::new(own)))
     }
 
-    fn of_emissions(&self, emissions: Range<u64>) -> Vec<Arc<dyn Waveform>> {
+    fn steadiness(&self, emissions: u64) -> f64 {
+        let all = (self.whole as f64 + self.rest) * emissions as f64;
+        self.signal.steadiness(self.whole, all as u64)
+    }
+
+    fn of_emissions(&self, emissions: Range<u64>) -> Result<Vec<Arc<dyn Waveform>>, WaveformError> {
         let Self { signal, plan, duration_s, whole, rest, .. } = self;
         let together = (SAMPLES_TOGETHER / (whole + 1)).max(1);
         let bounds: Vec<_> = (0..=together.min(emissions.end.saturating_sub(emissions.start)))
             .map(|n| bound((*whole, *rest), emissions.start.wrapping_add(n)))
             .collect();
-        let [Some((from, _)), Some((to, _))] = [bounds.first(), bounds.last()] else { return Vec::new() };
+        let [Some((from, _)), Some((to, _))] = [bounds.first(), bounds.last()] else { return Ok(Vec::new()) };
         let mut samples = vec![Complex64::ZERO; to.wrapping_sub(*from) as usize];
-        signal.fill(*from, &mut samples);
+        signal.fill(*from, &mut samples)?;
         let cut = |of: &[(u64, f64)]| {
             let [begin, end] = [of[0].0, of[1].0].map(|sample| sample.wrapping_sub(*from) as usize);
             let own = samples[begin..end].to_vec();
             Arc::new(segment_of(signal, plan, *duration_s, of[0].1, own)) as Arc<dyn Waveform>
         };
-        bounds.windows(2).map(cut).collect()
+        Ok(bounds.windows(2).map(cut).collect())
     }
 
     fn is_stream(&self) -> bool {

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::signals::{CA_CHIPS_HZ, CA_RATE_HZ, Fm, IqFile};
+
 /// The transmitted baseband pulse, unit amplitude.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -86,6 +88,22 @@ pub enum Source {
         /// What its data are drawn by.
         seed: u64,
     },
+    /// FM broadcast.
+    Fm {
+        /// Its parameters.
+        of: Fm,
+        /// What its programme is drawn by.
+        seed: u64,
+    },
+    /// The coarse code of a GPS satellite.
+    GpsCa {
+        /// Number of the code, 1 to 32.
+        prn: u8,
+        /// What its data are drawn by.
+        seed: u64,
+    },
+    /// A recording.
+    IqFile(IqFile),
 }
 
 /// Parameters of a DVB-T signal (EN 300 744).
@@ -204,6 +222,20 @@ impl Source {
         match self {
             Self::Noise { .. } => "noise",
             Self::DvbT { .. } => "dvb-t",
+            Self::Fm { .. } => "fm",
+            Self::GpsCa { .. } => "gps-l1-ca",
+            Self::IqFile(_) => "iq-file",
+        }
+    }
+
+    /// Samples a second; `None` where a file says so.
+    pub fn rate_hz(&self) -> Option<f64> {
+        match self {
+            Self::Noise { bandwidth_hz, .. } => Some(*bandwidth_hz),
+            Self::DvbT { of, .. } => Some(of.rate_hz()),
+            Self::Fm { of, .. } => Some(of.rate_hz()),
+            Self::GpsCa { .. } => Some(CA_RATE_HZ),
+            Self::IqFile(file) => file.raw.map(|raw| raw.rate_hz),
         }
     }
 
@@ -212,6 +244,9 @@ impl Source {
         match self {
             Self::Noise { bandwidth_hz, .. } => Some(*bandwidth_hz),
             Self::DvbT { of, .. } => Some(of.occupied_hz()),
+            Self::Fm { of, .. } => Some(of.occupied_hz()),
+            Self::GpsCa { .. } => Some(CA_CHIPS_HZ),
+            Self::IqFile(_) => None,
         }
     }
 }
