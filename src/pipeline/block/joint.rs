@@ -83,8 +83,8 @@ fn radiated<'r>(
     emission: u64,
     end: u64,
 ) -> Result<Option<&'r dyn Waveform>, WaveformError> {
-    if !(*first..*first + known.len() as u64).contains(&emission) {
-        (*first, *known) = (emission, waveform.of_emissions(emission..end.max(emission + 1))?);
+    if !(*first..first.saturating_add(known.len() as u64)).contains(&emission) {
+        (*first, *known) = (emission, waveform.of_emissions(emission..end.max(emission.saturating_add(1)))?);
     }
     Ok(known.get((emission - *first) as usize).map(AsRef::as_ref))
 }

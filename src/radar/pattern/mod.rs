@@ -189,3 +189,32 @@ fn catmull_rom(p: [Complex64; 4], s: f64) -> Complex64 {
     p[1] + (slope[0] + (rise * 3.0 - slope[0] * 2.0 - slope[1] + (slope[0] + slope[1] - rise * 2.0) * s) * s)
         * s
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four values a cut: right is weaker than left, below weaker than above.
+    const PLANET: &str =
+        "GAIN 0 dBi\nHORIZONTAL 4\n0 0\n90 10\n180 20\n270 6\nVERTICAL 4\n0 0\n90 12\n180 20\n270 8\n";
+
+    #[test]
+    fn endings_choose_the_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("antenna.MSI");
+        std::fs::write(&path, PLANET).unwrap();
+        let pattern = GridPattern::open(&path, -60.0).unwrap();
+        let db =
+            |az: f64, el: f64| 20.0 * pattern.field_gain(az.to_radians(), el.to_radians()).norm().log10();
+        for (az, el, wanted) in [(0.0, 0.0, 0.0), (90.0, 0.0, -6.0), (-90.0, 0.0, -10.0), (180.0, 0.0, -20.0)]
+        {
+            assert!((db(az, el) - wanted).abs() < 1e-9, "{az} {el}: {}", db(az, el));
+        }
+        assert!((db(0.0, 90.0) + 8.0).abs() < 1e-9 && (db(0.0, -90.0) + 12.0).abs() < 1e-9);
+        // The same as CSV is none, and as a cut neither.
+        let other = folder.path().join("antenna.cut");
+        std::fs::write(&other, PLANET).unwrap();
+        let error = GridPattern::open(&other, -60.0).unwrap_err().to_string();
+        assert!(error.contains("V_INI"), "{error}");
+    }
+}
