@@ -22,6 +22,7 @@ use super::memory;
 use super::overheard::Overheard;
 use crate::fidelity::budget::Plan;
 use crate::fidelity::echo_settings::EchoSettings;
+use crate::geometry::lanes::Row;
 use crate::motion::PlatformTracks;
 use crate::paths::list::ScattererPaths;
 use crate::paths::snapshot::Snapshot;
@@ -256,17 +257,16 @@ impl PulseFactory {
         kept.saturating_add((count as u64).saturating_mul(each.saturating_mul(threads as u64)))
     }
 
-    /// About what the far sea takes with so many workers, bytes: cells that are kept for all, and lists of
-    /// those of a stretch.
+    /// About what the far sea takes with so many workers, bytes: cells that are kept for all, a list of those
+    /// of a pulse by itself, and factors of a tile in a block.
     pub(crate) fn far_bytes(&self, threads: usize) -> u64 {
         let generator = self.generator();
         let cells = generator.far_cells().map_or(0.0, |(cells, _)| cells);
         let sizes = [self.layout.pairs, self.echo_channels()];
-        // Of a pulse by itself: those of stretches are gathered by tiles.
-        let each = memory::path_bytes(sizes, self.echo.needs().lists, 1);
-        generator
-            .far_bytes()
-            .saturating_add((cells as u64).saturating_mul(each.saturating_mul(threads as u64)))
+        let list = (cells as u64).saturating_mul(memory::path_bytes(sizes, 1, 1));
+        let rows = self.layout.pairs as u64 * self.block_pulses() * size_of::<Row>() as u64;
+        let rows = if cells > 0.0 { rows } else { 0 };
+        generator.far_bytes().saturating_add(list.saturating_add(rows).saturating_mul(threads as u64))
     }
 
     /// What pulses one by one take more than those of a block, bytes.

@@ -28,7 +28,7 @@ use crate::rng::{Room, stream};
 use crate::scene::water::Dispersion;
 
 /// Waves.
-pub const WAVES: usize = 192;
+const WAVES: usize = 192;
 /// Sums of them at a place: of cosines or of sines, and lanes in which they are summed.
 const SUMS: usize = 9;
 const PARTS: usize = 6;
@@ -195,10 +195,7 @@ impl WaveSum {
     /// What the sea is at a place, m, near another: rounded by 1e-7 of the waves between both.
     pub fn beside(&self, nearby: &Nearby, place_m: [f64; 2]) -> Waters {
         let away_m = [0, 1].map(|i| (place_m[i] - nearby.middle_m[i]) as f32);
-        let sums = match Variant::fastest() {
-            Variant::Portable => Sums::<false> { of: &self.rows, turns: &nearby.turns, away_m }.run(),
-            variant => variant.run(Sums::<true> { of: &self.rows, turns: &nearby.turns, away_m }),
-        };
+        let sums = Variant::fastest().run(Sums { of: &self.rows, turns: &nearby.turns, away_m });
         let [height, u, v, sx, sy, w, xx, yy, xy] = sums.map(f64::from);
         Waters { height_m: height, slope: [sx, sy], velocity_mps: [u, v, w], strain: [xx, yy, xy] }
     }
@@ -247,21 +244,15 @@ impl Rows {
     }
 }
 
-/// `a b + c`.
-#[inline(always)]
-fn product<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
-}
-
-/// Height, horizontal velocities, slopes, vertical velocity, modulation at a place; with fused products or
-/// without.
-struct Sums<'a, const FUSED: bool> {
+/// Height, horizontal velocities, slopes, vertical velocity, modulation at a place: without fused products,
+/// so that all instruction sets agree.
+struct Sums<'a> {
     of: &'a Rows,
     turns: &'a [f32; WAVES],
     away_m: [f32; 2],
 }
 
-impl<const FUSED: bool> Task for Sums<'_, FUSED> {
+impl Task for Sums<'_> {
     type Output = [f32; SUMS];
 
     // Lanes are counted: so they become vectors.
@@ -276,17 +267,16 @@ impl<const FUSED: bool> Task for Sums<'_, FUSED> {
             let (mut cosine, mut sine) = ([0.0f32; LANES], [0.0f32; LANES]);
             for lane in 0..LANES {
                 let n = group * LANES + lane;
-                let own = product::<FUSED>(along_y[n], y, product::<FUSED>(along_x[n], x, turns[n]));
+                let own = turns[n] + along_x[n] * x + along_y[n] * y;
                 let rest = own - ((own + TO_INTEGER) - TO_INTEGER);
                 (sine[lane], cosine[lane]) = sin_cos_of_turns(rest);
             }
             for s in 0..3 {
                 for lane in 0..LANES {
                     let n = group * LANES + lane;
-                    sums[0][s][lane] = product::<FUSED>(cosines[s][n], cosine[lane], sums[0][s][lane]);
-                    sums[1][s][lane] = product::<FUSED>(sines[s][n], sine[lane], sums[1][s][lane]);
-                    let both = product::<FUSED>(cosines[3 + s][n], cosine[lane], sums[2][s][lane]);
-                    sums[2][s][lane] = product::<FUSED>(sines[3 + s][n], sine[lane], both);
+                    sums[0][s][lane] += cosines[s][n] * cosine[lane];
+                    sums[1][s][lane] += sines[s][n] * sine[lane];
+                    sums[2][s][lane] += cosines[3 + s][n] * cosine[lane] + sines[3 + s][n] * sine[lane];
                 }
             }
         }

@@ -194,7 +194,7 @@ fn addresses_and_outputs_that_cannot_be_are_refused() {
 #[test]
 fn a_full_disk_leaves_what_is_counted() {
     let names = if cfg!(feature = "hdf5") { vec!["got.h5", "got"] } else { vec!["got"] };
-    for name in names {
+    let recorded = |name: &str| {
         let folder = tempfile::tempdir().unwrap();
         let (receiver, address) = limited(folder.path(), 2048, &["--idle-s", "3", "--out", name, "--json"]);
         live_wire(folder.path(), &address, if cfg!(feature = "hdf5") { "sent.h5" } else { "sent" });
@@ -207,8 +207,11 @@ fn a_full_disk_leaves_what_is_counted() {
         let found: serde_json::Value = serde_json::from_str(&found.stdout).unwrap();
         println!("{name}: {} received, {} recorded: {found}", report["pulses"], report["recorded"]);
         assert_eq!(report["recorded"], found["pulses"], "{found}");
-        // 222 pulses have 2.7 MB; they are written twice a second.
-        assert!(found["pulses"].as_u64().unwrap() > 0, "{found}");
+        found["pulses"].as_u64().unwrap()
+    };
+    for name in names {
+        // 222 pulses have 2.7 MB; they are written twice a second, on a loaded machine perhaps all at once.
+        assert!((0..4).any(|_| recorded(name) > 0), "{name}");
     }
 }
 

@@ -97,7 +97,7 @@ impl Instants {
         (0..pieces).map(move |n| {
             let [a, b] = if pieces == 1 { [from, to] } else { [epochs[first + n], epochs[first + n + 1]] };
             let first = epochs_about(epochs, a..=b);
-            let middle = if pieces == 1 { self.pulses / 2 } else { (a + b) / 2 };
+            let middle = if pieces == 1 { (self.nodes[0] + self.pulses) / 2 } else { (a + b) / 2 };
             let pulses = a..if n + 1 == pieces { end } else { b };
             Piece { pulses, epochs: first..epochs.len().min(first + EPOCH_POINTS), middle }
         })

@@ -6,7 +6,8 @@
 //!
 //! A tile is exact at both ends of a half where
 //!
-//! - a direction turns by more than [`turns`] allows: amplitudes are straight lines within 1e-4 then;
+//! - a direction turns by more than `STRAIGHT_RAD`, or H and V with it: amplitudes are straight lines within
+//!   1e-4 else;
 //! - a cubic may leave more than `PHASE_RAD` of the phase: `9 r d^4/384`, `r` the way and `d` the turn;
 //!
 //! and all tiles of a stretch are where antennas turn far, or where the cubic misses one of them halfway.
@@ -30,7 +31,7 @@ use crate::paths::block::{OnRays, OntoPorts, Scale, Tile, View};
 use crate::paths::emission::Emission;
 use crate::paths::facets::Reception;
 use crate::paths::sea::SeaFailure;
-use crate::paths::spikes::stretch::{PHASE_RAD, turns};
+use crate::paths::spikes::stretch::PHASE_RAD;
 use crate::paths::{PairPlan, PathGenerator, Workspace};
 use crate::pulse::costs::Stage;
 use crate::radar::fault::RadarError;
@@ -41,6 +42,9 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 const TURN_WIDTHS: f64 = 0.55;
 /// The same, rad: amplitudes are straight lines within 1e-4.
 const TURN_RAD: f64 = 0.014;
+
+/// What directions to a cell turn from end to end, rad, for the same reason.
+const STRAIGHT_RAD: f64 = 0.03;
 
 /// Cells side by side that a stretch may see.
 #[derive(Clone)]
@@ -212,7 +216,7 @@ impl PathGenerator {
             let (s, rest) = (share, 1.0 - share);
             let cubic = a + (b - a) * (s * s * (3.0 - 2.0 * s)) + (u * rest - v * s) * (s * rest);
             let off_rad = TAU / self.radar.wavelength_m() * cubic.distance(centre.position.raw());
-            if off_rad > PHASE_RAD {
+            if off_rad.is_nan() || off_rad > PHASE_RAD {
                 return None;
             }
         }
@@ -382,7 +386,7 @@ impl Making<'_> {
                 let leg_m = f64::from(begin.paths.leg_m[way][i]);
                 off_m += 9.0 / 384.0 * leg_m * from[way].distance_squared(to[way]).powi(2);
             }
-            off_m <= most_m && !turns(from[0], to[0]) && !turns(from[1], to[1])
+            off_m <= most_m && (0..2).all(|way| is_straight(from[way], to[way]))
         })
     }
 
@@ -430,6 +434,13 @@ impl Making<'_> {
             }
         }
     }
+}
+
+/// Whether a direction turns so little that matrices are straight lines: by 0.03 rad, and H and V with it by
+/// as much about the vertical.
+fn is_straight(from: DVec3, to: DVec3) -> bool {
+    let level = (from.x * from.x + from.y * from.y).min(to.x * to.x + to.y * to.y);
+    from.distance_squared(to) <= STRAIGHT_RAD * STRAIGHT_RAD * level.min(1.0)
 }
 
 /// Paths over cells at a node.

@@ -81,11 +81,11 @@ pub struct Stretch<'a> {
 }
 
 /// Derivatives of a polynomial through nodes, at the first and at the last: weights of the values there.
-pub(in crate::paths) struct Slopes([[f64; NODES]; 2]);
+struct Slopes([[f64; NODES]; 2]);
 
 impl Slopes {
     /// Of nodes at some pulses, `slow` being when these are.
-    pub(in crate::paths) fn through(nodes: &[usize], slow: &SlowTime) -> Self {
+    fn through(nodes: &[usize], slow: &SlowTime) -> Self {
         let at = |n: usize| slow.at(nodes[n]);
         let of = |own: usize| {
             let mut weights = [0.0; NODES];
@@ -104,11 +104,7 @@ impl Slopes {
     /// How far the rates of a path at both ends are off, per pulse of an interval.
     ///
     /// Paths are their delays and rates.
-    pub(in crate::paths) fn off_s(
-        &self,
-        paths: impl ExactSizeIterator<Item = (f64, f64)> + Clone,
-        interval_s: f64,
-    ) -> f64 {
+    fn off_s(&self, paths: impl ExactSizeIterator<Item = (f64, f64)> + Clone, interval_s: f64) -> f64 {
         let ends = [paths.clone().next(), paths.clone().last()].map(Option::unwrap_or_default);
         let off = self.0.iter().zip(ends).map(|(weights, (end_s, rate))| {
             let of = |(weight, (delay_s, _)): (&f64, (f64, f64))| weight * (delay_s - end_s);
@@ -119,7 +115,7 @@ impl Slopes {
 }
 
 /// Whether a direction turns by more than matrices stay smooth over.
-pub(in crate::paths) fn turns(from: DVec3, to: DVec3) -> bool {
+fn turns(from: DVec3, to: DVec3) -> bool {
     let level = (from.x * from.x + from.y * from.y).min(to.x * to.x + to.y * to.y);
     from.distance_squared(to) > (TURN_RAD * TURN_RAD).min(0.01 * level)
 }

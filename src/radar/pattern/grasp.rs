@@ -17,6 +17,8 @@ use super::axis::{Axis, Gridded};
 use super::columns::MOST_POINTS;
 use super::fault::{Faults, PatternFault};
 
+/// Most degrees of phi from cut to cut.
+const WIDEST_DEG: f64 = 90.0;
 const HEADER: &str = "V_INI V_INC V_NUM C ICOMP ICUT NCOMP, seven numbers";
 
 /// What all cuts have in common.
@@ -28,10 +30,34 @@ struct Head {
     component: u32,
 }
 
+impl Head {
+    fn farthest_deg(self) -> f64 {
+        self.first_deg + self.step_deg * (self.count - 1) as f64
+    }
+
+    /// An axis of the grid to either side of the boresight, within so many degrees.
+    fn axis(self, most_deg: f64) -> Axis {
+        let step_deg = self.step_deg;
+        let half = (self.farthest_deg().min(most_deg) / step_deg + 1e-6).floor() as usize;
+        Axis { first_deg: -(half as f64) * step_deg, step_deg, len: 2 * half + 1 }
+    }
+}
+
 /// A cut: its phi, degrees, and both components at every theta.
 struct Cut {
     phi_deg: f64,
     fields: Vec<[Complex64; 2]>,
+}
+
+impl Cut {
+    /// The same cut from the other side, half a turn on: fields along theta and phi change their sign there.
+    fn turn(&mut self, component: u32) {
+        self.phi_deg = (self.phi_deg - 180.0).max(0.0);
+        self.fields.reverse();
+        if component == 1 {
+            self.fields.iter_mut().flatten().for_each(|field| *field = -*field);
+        }
+    }
 }
 
 /// A number as Fortran writes it: with D, or without any letter before a long exponent.
@@ -54,7 +80,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gridded, Vec<PatternFault>> {
     let mut faults = Faults::default();
     let mut lines = (1u64..).zip(text.lines());
     let (mut head, mut cuts): (Option<Head>, Vec<Cut>) = (None, Vec::new());
-    while let Some((_, text)) = lines.next() {
+    // Empty lines at the end are none.
+    while !lines.clone().all(|(_, line)| line.trim().is_empty())
+        && let Some((_, text)) = lines.next()
+    {
         let Some((line, header)) = lines.next() else {
             if !text.trim().is_empty() {
                 faults.push(PatternFault::Lacks { what: format!("the last cut has no line of {HEADER}") });
@@ -92,7 +121,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gridded, Vec<PatternFault>> {
             faults.push(PatternFault::Lacks { what: format!("the last cut has {found} lines of {wanted}") });
             break;
         }
-        cuts.push(Cut { phi_deg, fields });
+        let mut cut = Cut { phi_deg, fields };
+        if own.first_deg < 0.0 && phi_deg > 180.0 - 1e-6 {
+            cut.turn(own.component);
+        }
+        cuts.push(cut);
     }
     let Some(head) = head else {
         faults.push(PatternFault::Lacks {
@@ -103,17 +136,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gridded, Vec<PatternFault>> {
     cuts.sort_by(|a, b| a.phi_deg.total_cmp(&b.phi_deg));
     let span_deg = if head.first_deg < 0.0 { 180.0 } else { 360.0 };
     // What closes the circle says nothing new.
-    cuts.retain(|cut| cut.phi_deg < span_deg - 1e-6);
-    if cuts.len() < 2 || cuts.windows(2).any(|two| two[1].phi_deg - two[0].phi_deg < 1e-6) {
-        let what = format!(
-            "{} cuts from 0 to {span_deg} degrees; two or more wanted, each at its own C",
-            cuts.len()
-        );
+    cuts.dedup_by(|later, earlier| later.phi_deg - earlier.phi_deg < 1e-6);
+    let around = cuts.first().map_or(0.0, |cut| cut.phi_deg) + span_deg;
+    let next = cuts.iter().skip(1).map(|cut| cut.phi_deg).chain([around]);
+    let widest_deg = cuts.iter().zip(next).fold(0.0, |most: f64, (cut, next)| most.max(next - cut.phi_deg));
+    if widest_deg > WIDEST_DEG + 1e-6 {
+        let what = format!("no cut within {widest_deg:.1} degrees of phi; at most {WIDEST_DEG} wanted");
         faults.push(PatternFault::Lacks { what });
     }
-    let farthest_deg = head.first_deg + head.step_deg * (head.count - 1) as f64;
-    let columns = 2 * (farthest_deg / head.step_deg + 1e-6).floor() as usize + 1;
-    if columns.saturating_mul(columns) > MOST_POINTS {
+    if head.axis(180.0).len.saturating_mul(head.axis(90.0).len) > MOST_POINTS {
         faults.push(PatternFault::TooMany);
     }
     if !faults.list.is_empty() {
@@ -133,9 +164,8 @@ fn head_of(line: &str) -> Result<(Head, f64), &'static str> {
         return Err("V_NUM from 3 to 100000, V_INC from 0.001 degrees on");
     }
     let farthest_deg = first_deg + step_deg * (count - 1.0);
-    if !(-180.001..=0.0).contains(&first_deg)
-        || !(first_deg.abs().max(step_deg)..=180.001).contains(&farthest_deg)
-    {
+    let through = first_deg < 0.0 && (first_deg + farthest_deg).abs() < 1e-3;
+    if !(first_deg == 0.0 || through) || farthest_deg > 180.001 {
         return Err("V_INI 0, or as far below 0 as the last angle is above it, up to 180 degrees");
     }
     if !(-360.0..=360.0).contains(&phi_deg) {
@@ -181,13 +211,9 @@ impl Sphere {
         Self { head, span_deg, cuts }
     }
 
-    fn farthest_deg(&self) -> f64 {
-        self.head.first_deg + self.head.step_deg * (self.head.count - 1) as f64
-    }
-
     /// Towards theta and phi, degrees; `None` beyond the cuts.
     fn at(&self, theta_deg: f64, phi_deg: f64) -> Option<Complex64> {
-        if theta_deg > self.farthest_deg() + 1e-6 {
+        if theta_deg > self.head.farthest_deg() + 1e-6 {
             return None;
         }
         // A cut from the left to the right has the other half at theta below 0.
@@ -217,12 +243,7 @@ impl Sphere {
     }
 
     fn gridded(&self) -> Gridded {
-        let step_deg = self.head.step_deg;
-        let axis = |most_deg: f64| {
-            let half = (self.farthest_deg().min(most_deg) / step_deg + 1e-6).floor() as usize;
-            Axis { first_deg: -(half as f64) * step_deg, step_deg, len: 2 * half + 1 }
-        };
-        let (mut azimuth, elevation) = (axis(180.0), axis(90.0));
+        let (mut azimuth, elevation) = (self.head.axis(180.0), self.head.axis(90.0));
         if azimuth.first_deg < -180.0 + 1e-6 {
             // 180 and -180 degrees are the same.
             azimuth.len -= 1;
@@ -255,8 +276,13 @@ mod tests {
     }
 
     fn file(first: f64, component: u32) -> String {
+        file_from(0, first, component)
+    }
+
+    /// Cuts from a phi on.
+    fn file_from(from: i32, first: f64, component: u32) -> String {
         let (span, mut text) = (if first < 0.0 { 180 } else { 360 }, String::new());
-        for phi in (0..span).step_by(3) {
+        for phi in (from..from + span).step_by(3) {
             let count = (30.0 - first) / 0.5 + 1.0;
             text += &format!("Field at phi {phi}\n {first} 0.5 {count} {phi} {component} 1 2\n");
             for n in 0..count as usize {
@@ -273,8 +299,10 @@ mod tests {
 
     #[test]
     fn fields_are_those_of_the_beam() {
-        for (first, component) in [(-30.0, 3), (0.0, 3), (-30.0, 1), (0.0, 1)] {
-            let found = read(file(first, component).as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let cuts = [(0, -30.0, 3), (0, 0.0, 3), (0, -30.0, 1), (0, 0.0, 1), (-90, -30.0, 3), (-90, -30.0, 1)];
+        for (from, first, component) in cuts {
+            let text = file_from(from, first, component) + "\n\n";
+            let found = read(text.as_bytes()).unwrap_or_else(|faults| panic!("{faults:?}"));
             let (mut worst, mut seen) = (0.0f64, 0);
             for row in 0..found.elevation.len {
                 for column in 0..found.azimuth.len {
@@ -303,6 +331,9 @@ mod tests {
         assert!(said("cut\n0 1 5 0 2 1 2\n").contains("ICOMP 1 or 3"));
         assert!(said("cut\n0 1 3 0 3 1 2\n1 0 0 0\n").contains("the last cut has 1 lines of 3"));
         assert!(said("").contains("no cut"));
+        assert!(said("cut\n-1 1 5 0 3 1 2\n").contains("as far below 0"));
+        let quarter: String = file(0.0, 3).split("Field").take(31).collect::<Vec<_>>().join("Field");
+        assert!(said(&quarter).contains("no cut within"), "{}", said(&quarter));
         assert!(said(&file(0.0, 3).replacen("D", "X", 1)).contains("line 3"));
     }
 }

@@ -18,6 +18,7 @@
 use num_complex::Complex64;
 
 use super::axis::{Axis, Gridded};
+use super::columns::MOST_POINTS;
 use super::fault::{Faults, PatternFault};
 use crate::units::Decibels;
 
@@ -54,7 +55,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gridded, Vec<PatternFault>> {
     // The cut at hand.
     let mut own: Option<usize> = None;
     for (number, line) in (1u64..).zip(text.lines()) {
-        let fields: Vec<&str> = line.split([' ', '\t', ',', ';']).filter(|field| !field.is_empty()).collect();
+        let fields: Vec<&str> = line.split([' ', '\t', ';']).filter(|field| !field.is_empty()).collect();
         let [first, rest @ ..] = &fields[..] else { continue };
         let mut wrong = |wanted| {
             let found = line.trim().chars().take(40).collect();
@@ -116,6 +117,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gridded, Vec<PatternFault>> {
         faults.push(PatternFault::Lacks { what: "no GAIN: a line like GAIN 12.5 dBi wanted".to_owned() });
         return Err(faults.finish());
     };
+    if cuts[0].rows.len() * (cuts[1].rows.len() / 2 + 1) > MOST_POINTS {
+        faults.push(PatternFault::TooMany);
+    }
     if !faults.list.is_empty() {
         return Err(faults.finish());
     }

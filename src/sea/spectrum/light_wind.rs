@@ -145,7 +145,9 @@ impl LightWind {
         std::array::from_fn(|i| {
             let rise = high[i] - low[i];
             let [bend, unbend] = [high[i] - before[i], after[i] - low[i]].map(|of_two| 0.5 * of_two - rise);
-            low[i] + share * (rise + (1.0 - share) * (bend * (1.0 - share) - unbend * share))
+            let value = low[i] + share * (rise + (1.0 - share) * (bend * (1.0 - share) - unbend * share));
+            // Factors, and a share of the sum.
+            if i < 2 { value.max(0.0) } else { value.clamp(-1.0, 1.0) }
         })
     }
 
