@@ -25,6 +25,7 @@ use num_complex::Complex64;
 use rand::Rng;
 
 use super::WaveformError;
+use super::noise::complex_normal;
 use super::stream::Signal;
 use crate::radar::phasor::phasor;
 use crate::rng::{Room, stream};
@@ -62,11 +63,7 @@ impl Broadcast {
     /// Tones of a slot, by their cycles.
     fn tones(&self, slot: u64) -> Vec<Complex64> {
         let mut numbers = stream(self.seed, Room::Waveform, slot, PARTS[0]);
-        let mut normal = || {
-            // Of (0, 1] and [0, 1).
-            let [a, b] = [(); 2].map(|()| (numbers.next_u64() >> 11) as f64 * 2f64.powi(-53));
-            phasor(b) * (-(1.0 - a).ln()).sqrt()
-        };
+        let mut normal = || complex_normal(&mut numbers, 1.0);
         let mut tones = vec![Complex64::ZERO; SUBCARRIER + AUDIO.end() + 2];
         for n in AUDIO {
             let turns = TAU * n as f64 / Fm::SLOT_S * EMPHASIS_S;

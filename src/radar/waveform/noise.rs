@@ -46,13 +46,16 @@ impl Signal for Noise {
         let mut numbers = stream(self.seed, Room::Waveform, 0, 0);
         numbers.set_word_pos(WORDS * u128::from(first));
         let scale = white_power().recip();
-        for sample in out {
-            // Of (0, 1] and [0, 1).
-            let [a, b] = [(); 2].map(|()| (numbers.next_u64() >> 11) as f64 * 2f64.powi(-53));
-            *sample = phasor(b) * (-scale * (1.0 - a).ln()).sqrt();
-        }
+        out.iter_mut().for_each(|sample| *sample = complex_normal(&mut numbers, scale));
         Ok(())
     }
+}
+
+/// A complex Gaussian number of a mean power, of two 64-bit words.
+pub(super) fn complex_normal(numbers: &mut impl Rng, power: f64) -> Complex64 {
+    // Of (0, 1] and [0, 1).
+    let [a, b] = [(); 2].map(|()| (numbers.next_u64() >> 11) as f64 * 2f64.powi(-53));
+    phasor(b) * (-power * (1.0 - a).ln()).sqrt()
 }
 
 #[cfg(test)]
