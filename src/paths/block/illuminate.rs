@@ -456,7 +456,9 @@ impl PathGenerator {
 
     /// Leaves facets out of the pulses at which they are turned away from an antenna.
     fn turn_away(&self, patch: &Patch, pair: usize, work: &mut TileWork) {
-        let TileWork { variant, facet_surface, timings, turning, slopes, keys, places_m, tile, .. } = work;
+        let TileWork {
+            variant, facet_surface, nodes, timings, turning, slopes, keys, places_m, tile, ..
+        } = work;
         let (timing, earth) = (timings.of(tile.tier), self.frame.earth());
         let supports = tile.supports.chosen();
         let (number, count, interval_s) = (pair, tile.count, tile.interval_s);
@@ -474,7 +476,7 @@ impl PathGenerator {
             if turning.is_in_doubt() {
                 let elapsed_s = self.radar.emissions.elapsed_s(timing.instants.first + pulse as u64);
                 let at = (&turned, pulse, &tile.slow);
-                turning.decide(at, (facet_surface, elapsed_s, patch), place, out);
+                turning.decide(at, elapsed_s, (facet_surface, nodes, patch), place, out);
             }
         }
         tile.pairs[pair].factor = factor;
