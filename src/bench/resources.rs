@@ -1,7 +1,9 @@
 //! What a run will take: memory, recording and speed, estimated before it starts.
 //!
 //! Sizes follow from the layout. Speed is measured: pulses spread over the run are made, by every worker
-//! at once, for about [`TRIAL`], and thrown away; of a scene whose blocks take longer, one block each.
+//! at once, for about [`TRIAL`], and thrown away; of a scene whose blocks take longer, one block each. Where
+//! antennas scan, a pulse costs what their beams meet: then at least [`BEARINGS`] blocks are made, at
+//! bearings of their own.
 
 use std::time::{Duration, Instant};
 
@@ -18,6 +20,10 @@ use crate::scene::Radar;
 pub const TRIAL: Duration = Duration::from_millis(100);
 /// Trials that a first block lasts where it is enough.
 const FIRST_ALONE: u32 = 5;
+/// Blocks of a trial where antennas scan.
+const BEARINGS: u64 = 12;
+/// Of a run from one of them to the next: the golden section keeps step with no turn.
+const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// An estimate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -97,17 +103,24 @@ impl PulseStream {
         let block = factory.block_pulses();
         let blocks = schedule.count.div_ceil(block).max(1);
         let stride = (blocks / 64).max(1);
-        let pulses_of = |step: u64| {
-            let segment = factory.segment_of(schedule.first + step % blocks * block);
+        let bearings = if factory.generator().scans() { BEARINGS.min(blocks) } else { 1 };
+        let pulses_of = |step: u64, hand: u64| {
+            let place = if bearings > 1 {
+                ((step as f64 * GOLDEN).fract() * blocks as f64) as u64
+            } else {
+                step.wrapping_mul(stride) + hand
+            };
+            let segment = factory.segment_of(schedule.first + place % blocks * block);
             segment.start..segment.end.min(schedule.end())
         };
-        // Pulses made and the time that took, each worker from its own step on: a block at least.
-        let mut make_for = |least: Duration, step_of: fn(u64) -> u64| {
+        // Pulses made and the time that took, each worker from its own step on: so many blocks at least.
+        let mut make_for = |least: (Duration, u64), step_of: fn(u64) -> u64| {
             let begun = Instant::now();
             let of_worker = |(hand, (slot, worker)): (usize, &mut (_, Worker<'_>))| {
                 let (mut made, mut step) = (0, step_of(hand as u64));
-                while made == 0 || begun.elapsed() < least {
-                    for index in pulses_of(step.wrapping_mul(stride) + hand as u64) {
+                let last = step + least.1;
+                while made == 0 || step < last || begun.elapsed() < least.0 {
+                    for index in pulses_of(step, hand as u64) {
                         worker.make(index, slot)?;
                         made += 1;
                     }
@@ -121,10 +134,10 @@ impl PulseStream {
             Ok::<_, PulseError>((made, begun.elapsed()))
         };
         // The first block of a worker also takes its memory into use, which does not show in a long one.
-        let first = if block > 1 { Some(make_for(Duration::ZERO, |_| 0)?) } else { None };
+        let first = if block > 1 { Some(make_for((Duration::ZERO, 0), |_| 0)?) } else { None };
         let (made, lasted) = match first {
-            Some((made, lasted)) if lasted >= FIRST_ALONE * trial => (made, lasted),
-            _ => make_for(trial, |hand| 1 + hand)?,
+            Some((made, lasted)) if lasted >= FIRST_ALONE * trial && bearings == 1 => (made, lasted),
+            _ => make_for((trial, bearings), |hand| 1 + hand)?,
         };
         let pulses_per_s = made as f64 / lasted.as_secs_f64();
         let (mut slot, mut worker) = (factory.slot(), factory.worker());

@@ -28,8 +28,9 @@
 use crate::echo::Fidelity;
 use crate::fidelity::budget::may_have_fine_surface;
 use crate::paths::block::{FORGETTING_BYTES, FORGETTING_ROOM_BYTES};
+use crate::scattering::two_scale::TILTS;
 use crate::scene::Scene;
-use crate::scene::sea::{BraggWaves, PatchPlace, Waves};
+use crate::scene::sea::{BraggWaves, PatchPlace, Sea, Speckle, Waves};
 use crate::sinks;
 use crate::transport::{self, fanout};
 use std::fs;
@@ -97,15 +98,33 @@ pub(crate) fn sea_bytes(scene: &Scene, fidelity: &Fidelity, threads: usize) -> u
     let worker = WORKER_FACET_BYTES[n] + if apart { FOLLOW_FACET_BYTES } else { 0 };
     let worker = worker + if choppy { CHOPPY_FACET_BYTES[n] } else { 0 };
     let worker = worker + if fine { FINE_FACET_BYTES } else { 0 };
-    let forgets = scene.sea.as_ref().is_some_and(|sea| {
-        sea.scattering.bragg == BraggWaves::Frozen && sea.scattering.decorrelation_s.is_some()
-    });
-    // Waves of one mechanism at least, where there is room.
-    let waves = FORGETTING_BYTES as u64;
-    let room = facets.saturating_mul(waves) <= FORGETTING_ROOM_BYTES as u64;
-    let worker = worker + if forgets && n == 1 && room { waves } else { 0 };
+    let held = match (&scene.sea, n) {
+        (Some(sea), 1) => forgetting_held(sea, facets),
+        _ => 0,
+    };
+    let worker = worker + held * FORGETTING_BYTES as u64;
     let each = SHARED_FACET_BYTES[n].saturating_add(worker.saturating_mul(threads as u64));
     facets.saturating_mul(each)
+}
+
+/// Processes of facets that forget their phases of which a worker holds the waves.
+fn forgetting_held(sea: &Sea, facets: u64) -> u64 {
+    let scattering = &sea.scattering;
+    if scattering.bragg != BraggWaves::Frozen || scattering.decorrelation_s.is_none() {
+        return 0;
+    }
+    let tilts = match scattering.speckle {
+        Speckle::RandomPhase => {
+            if scattering.tilt_average {
+                TILTS
+            } else {
+                1
+            }
+        }
+        Speckle::Gaussian { tilt_modes } => tilt_modes,
+    };
+    let room = FORGETTING_ROOM_BYTES as u64 / facets.saturating_mul(FORGETTING_BYTES as u64).max(1);
+    room.min(1 + tilts as u64)
 }
 
 /// What pulses that the fast echo makes one by one take more than those of a block, bytes.

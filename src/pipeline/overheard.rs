@@ -331,7 +331,8 @@ impl Listen for Listener<'_> {
     ) -> Result<(), PulseError> {
         self.worker.fill(pulse.index, pulse, &mut self.desk)?;
         let [own_len, fft_len] = self.lens;
-        for (own, channels) in self.desk.spectrum.chunks_exact(own_len).zip(&self.of.channels) {
+        let of_channels = self.desk.spectrum.chunks_exact(own_len).zip(&self.of.channels);
+        for (own, channels) in of_channels.filter(|(own, _)| own.iter().any(|bin| *bin != Complex64::ZERO)) {
             let own = match &mut self.refit {
                 Some(refit) => refit.refitted(own),
                 None => own,

@@ -6,10 +6,12 @@ use crate::cases::sized;
 use crate::program::{nereus, package};
 
 /// Patches as scenarios have them, and what of them is checked: of all cases, of few.
-const CORNERS: [(&str, [&str; 2]); 5] = [
+const CORNERS: [(&str, [&str; 2]); 7] = [
     ("patch_size_m = [512.0, 512.0]", ["scene.patch_size_m=[32, 32]", "scene.patch_size_m=[16, 16]"]),
     ("patch_size_m = [128.0, 128.0]", ["scene.patch_size_m=[128, 128]", "scene.patch_size_m=[16, 16]"]),
     ("patch_size_m = [1024.0, 1024.0]", ["scene.patch_size_m=[1024, 1024]", "scene.patch_size_m=[64, 64]"]),
+    ("patch_size_m = [384.0, 384.0]", ["scene.patch_size_m=[96, 96]", "scene.patch_size_m=[24, 24]"]),
+    ("patch_size_m = [256, 256]", ["scene.patch_size_m=[64, 64]", "scene.patch_size_m=[32, 32]"]),
     ("patch_size_m = [224.0, 120.0]", ["scene.patch_size_m=[224, 120]", "scene.patch_size_m=[64, 40]"]),
     ("patch_size_m = [503.808, 1133.568]", ["scene.patch_size_m=[31.488, 31.488]"; 2]),
 ];

@@ -132,13 +132,24 @@ impl<T: Scalar> Grids<T> {
         &mut self.cells.as_mut_slice()[pulse * pulse_len..][..pulse_len]
     }
 
+    /// The grid of a layer.
+    fn of_layer(&self, pulse: usize, layer: usize) -> &[T] {
+        let shape = &self.shape;
+        let from = pulse * shape.pulse_len() + shape.offset(layer);
+        &self.cells.as_slice()[from..][..(shape.period + shape.width) * shape.lanes[layer]]
+    }
+
+    /// Whether nothing was spread on the grid of a layer.
+    pub(super) fn is_empty(&self, pulse: usize, layer: usize) -> bool {
+        // Many at a time, without a branch for each.
+        let all_zero = |cells: &[T]| cells.iter().fold(true, |zero, cell| zero & (*cell == T::default()));
+        self.of_layer(pulse, layer).chunks(64).all(all_zero)
+    }
+
     /// The grid of one channel, the edges folded, `period` cells.
     pub(super) fn fold(&self, pulse: usize, layer: usize, channel: usize, out: &mut [Complex<T>]) {
-        let shape = &self.shape;
-        let lanes = shape.lanes[layer];
-        let from = pulse * shape.pulse_len() + shape.offset(layer);
-        let cells = &self.cells.as_slice()[from..][..(shape.period + shape.width) * lanes];
-        match lanes {
+        let cells = self.of_layer(pulse, layer);
+        match self.shape.lanes[layer] {
             2 => fold::<T, 2>(cells, channel, out),
             4 => fold::<T, 4>(cells, channel, out),
             _ => fold::<T, 8>(cells, channel, out),

@@ -547,8 +547,10 @@ impl<T: Scalar> Synth<T> {
         out: &mut [Complex64],
     ) {
         out.fill(Complex64::ZERO);
-        let filled = |layer: &Layer| frame.fills(pulse, layer.group);
-        for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| filled(layer)) {
+        for (index, layer) in self.layers.iter().enumerate() {
+            if !frame.fills(pulse, layer.group) || grids.is_empty(pulse, index) {
+                continue;
+            }
             for (at, channel) in layer.channels.iter().enumerate() {
                 grids.fold(pulse, index, at, &mut scratch.cells);
                 self.transform.process_with_scratch(&mut scratch.cells, &mut scratch.transform);
