@@ -14,7 +14,7 @@
 //! | transform | channels x M log2 M | transform |
 //! | exact | facets x pairs, where every pulse is by itself | scatterer paths |
 //! | rest | channels x 2N log2 2N | record, receive |
-//! | points | targets, direct paths, and panels of ships, breakers and rain as far as they cost as much, x pairs | fill, spread |
+//! | points | targets, direct paths, and panels of ships, breakers, rain and far sea as far as they cost as much, x pairs | fill, spread |
 //! | lines | facets x pairs, and as many as `LINES` in a block, where Bragg waves travel | scatterer paths |
 //!
 //! Wake tiles have scattering epochs of their own. Sidelobe tiles have 2 nodes, 2 or 3 scattering epochs and
@@ -37,6 +37,9 @@ use crate::fidelity::echo_settings::EchoSettings;
 const BREAKER: f64 = 0.015;
 const BREAKER_EXACT: f64 = 0.2;
 const DROP: f64 = 8.0;
+/// What a cell of the far sea takes over a point, of a stretch and by itself.
+const FAR_CELL: f64 = 0.05;
+const FAR_CELL_EXACT: f64 = 1.0;
 /// What a panel of a ship takes over a point at every pulse, at a node, and by itself.
 const PANEL: f64 = 0.006;
 const PANEL_AT_NODE: f64 = 0.03;
@@ -117,6 +120,8 @@ pub struct Size {
     points: f64,
     /// Scatterers of breaking waves that are alive.
     breakers: f64,
+    /// Cells of the far sea at a pulse.
+    far_cells: f64,
     /// Whether they are found by stretches: all gains are real.
     stretches: bool,
     /// Panels and double bounces of ships.
@@ -176,11 +181,12 @@ impl Size {
         Self {
             facets: generator.facets() as f64,
             breakers: generator.breakers_alive(),
+            far_cells: generator.far_cells().map_or(0.0, |(cells, _)| cells),
             stretches: generator.gains_are_real(),
             // Those with an aspect are evaluated for it once more.
             panels: generator.ship_paths() as f64,
             points: generator.target_count() as f64 * if generator.follows_aspects() { 2.0 } else { 1.0 }
-                + DROP * generator.own_clutter_points(),
+                + DROP * generator.drops(),
             pairs,
             travelling: if scene.sea.as_ref().is_none_or(frozen) { 0.0 } else { pairs },
             // Two transforms instead of four, for either.
@@ -233,6 +239,7 @@ impl Size {
             facets,
             points,
             breakers,
+            far_cells,
             panels,
             pairs,
             travelling,
@@ -259,7 +266,8 @@ impl Size {
             let mut work = [0.0; PIECES];
             let shadow = update_pulses.map_or(0.0, |pulses| facets * antennas / pulses.max(1.0));
             (work[1], work[8], work[9], work[10]) = (shadow, spread, transform, received * facets * pairs);
-            let points = points + PANEL_EXACT * panels + BREAKER_EXACT * breakers;
+            let points =
+                points + PANEL_EXACT * panels + BREAKER_EXACT * breakers + FAR_CELL_EXACT * far_cells;
             (work[11], work[12], work[13]) = (rest, points * pairs, LINES_EXACT * facets * travelling);
             return Work(work);
         }
@@ -281,7 +289,8 @@ impl Size {
         let few_epochs = chosen.sidelobe.map_or(0.0, |sidelobe| sidelobe.epochs as f64);
         let [nodes, few] = [NODES, SIDELOBE_NODES].map(|n| n as f64);
         let stretches = (pulses / (3 * chosen.panel_pulses.unwrap_or(1) + 1) as f64).ceil();
-        let each_breaker = if self.stretches { BREAKER } else { BREAKER_EXACT };
+        let [each_breaker, each_cell] =
+            if self.stretches { [BREAKER, FAR_CELL] } else { [BREAKER_EXACT, FAR_CELL_EXACT] };
         let of_panel = PANEL + PANEL_AT_NODE * (nodes * stretches / pulses).min(1.0);
         Work([
             per_block(nodes * surface * if chosen.fine.surface { 2.0 } else { 1.0 }),
@@ -296,7 +305,7 @@ impl Size {
             transform,
             0.0,
             rest,
-            (points + panels * of_panel + each_breaker * breakers) * pairs,
+            (points + panels * of_panel + each_breaker * breakers + each_cell * far_cells) * pairs,
             again * facets * travelling * (1.0 + LINES / pulses),
         ])
     }

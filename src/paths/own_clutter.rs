@@ -9,11 +9,6 @@ use crate::radar::fault::RadarError;
 const SAMPLED_CELLS: f64 = 400.0;
 
 impl PathGenerator {
-    /// Points of it at a pulse, mean.
-    pub fn own_clutter_points(&self) -> f64 {
-        self.drops() + self.far_cells().map_or(0.0, |(cells, _)| cells)
-    }
-
     /// Points of a pulse for which there is room beforehand: as many as there are unless a beam turns into
     /// it.
     pub fn own_clutter_room(&self) -> usize {
