@@ -20,8 +20,9 @@ use crate::scene::Radar;
 pub const TRIAL: Duration = Duration::from_millis(100);
 /// Trials that a first block lasts where it is enough.
 const FIRST_ALONE: u32 = 5;
-/// Blocks of a trial where antennas scan.
+/// Blocks of a trial where antennas scan, unless they take longer than so many trials.
 const BEARINGS: u64 = 12;
+const LONGEST_TRIALS: u32 = 30;
 /// Of a run from one of them to the next: the golden section keeps step with no turn.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
@@ -119,7 +120,11 @@ impl PulseStream {
             let of_worker = |(hand, (slot, worker)): (usize, &mut (_, Worker<'_>))| {
                 let (mut made, mut step) = (0, step_of(hand as u64));
                 let last = step + least.1;
-                while made == 0 || step < last || begun.elapsed() < least.0 {
+                let is_over = |step| {
+                    let lasted = begun.elapsed();
+                    lasted >= least.0 && (step >= last || lasted >= LONGEST_TRIALS * trial)
+                };
+                while made == 0 || !is_over(step) {
                     for index in pulses_of(step, hand as u64) {
                         worker.make(index, slot)?;
                         made += 1;

@@ -34,18 +34,12 @@ use num_complex::Complex32;
 
 use super::range_compress::{CompressError, Compressor, PulseShape, RangeFilter};
 use super::taper::Taper;
-use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Values of a compressed window in a sample.
 const OVERSAMPLING: usize = 2;
 
 /// Rounding of the place of an edge, in values.
 const EDGE: f64 = 1e-6;
-
-/// The shortest cell at a sample rate, m: shorter ones would repeat values.
-pub fn shortest_cell_m(sample_rate_hz: f64) -> f64 {
-    0.5 * SPEED_OF_LIGHT_MPS / (sample_rate_hz * OVERSAMPLING as f64)
-}
 
 /// Makes powers of windows of one length; allocates nothing after its first.
 pub struct Detector {
