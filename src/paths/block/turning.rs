@@ -9,8 +9,8 @@
 //! `|c| < w h |s (s - 1) (s - 2) (s - 3)| / 4!  sqrt(d_3^2 + (w h d_2)^2)`,
 //!
 //! its slope is found more closely: by a polynomial through the surface at the nodes and halfway between
-//! them, which leaves some `(w h / 2)^7 / 50` of a wave. The above is what a cubic through the nodes leaves of
-//! a wave of frequency `w`: `h` is the time from node to node, `s` the time over `h`, `d_2` and `d_3` are
+//! them, which leaves some `(w h / 2)^7 / 50` of a wave. The above is what a cubic through the nodes leaves
+//! of a wave of frequency `w`: `h` is the time from node to node, `s` the time over `h`, `d_2` and `d_3` are
 //! differences of the cosine at the nodes, and `w` is the frequency of the shortest waves of the grid,
 //! `w^2 = g sqrt(2) pi / facet`. Two differences, for where one of a wave passes zero the other is largest.
 
