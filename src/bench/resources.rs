@@ -2,7 +2,7 @@
 //!
 //! Sizes follow from the layout. Speed is measured: pulses spread over the run are made, by every worker
 //! at once, for about [`TRIAL`], and thrown away; of a scene whose blocks take longer, one block each. Where
-//! antennas scan, a pulse costs what their beams meet: then at least [`BEARINGS`] blocks are made, at
+//! antennas scan, a pulse costs what their beams meet: then at least `BEARINGS` blocks are made, at
 //! bearings of their own.
 
 use std::time::{Duration, Instant};
