@@ -12,6 +12,8 @@
 //! Limits: those of [`super::link_budget`]; one instant, whether a pulse leaves then or not. A waveform that
 //! varies has samples above its mean power.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use serde::Serialize;
 
@@ -135,10 +137,30 @@ fn strongest_echoes(sights: &Sights<'_>, at: Moment<'_>) -> Result<Vec<f64>, Bui
     Ok(most_w)
 }
 
-/// `E_f / T`: what the receive filter leaves of the power of a pulse.
+/// `E_f / T`: what the receive filter leaves of the power of a pulse; of pulses in turn, the mean.
 fn passing(waveform: &dyn Waveform, offset_hz: f64, filter: &ReceiveFilter, sample_rate_hz: f64) -> f64 {
-    let duration_s = waveform.duration_s();
+    let pulses = waveform.in_turn();
+    if !pulses.is_empty() {
+        // One of them may fill either half of the band of all.
+        let half_hz = waveform.bandwidth_hz() + LOBES * waveform.lobe_hz();
+        let of = |pulse: &Arc<dyn Waveform>| {
+            one_passing(pulse.as_ref(), half_hz, offset_hz, filter, sample_rate_hz)
+        };
+        return pulses.iter().map(of).sum::<f64>() / pulses.len() as f64;
+    }
     let half_hz = 0.5 * waveform.bandwidth_hz() + LOBES * waveform.lobe_hz();
+    one_passing(waveform, half_hz, offset_hz, filter, sample_rate_hz)
+}
+
+/// The same of one pulse that reaches so far from the middle of its band.
+fn one_passing(
+    waveform: &dyn Waveform,
+    half_hz: f64,
+    offset_hz: f64,
+    filter: &ReceiveFilter,
+    sample_rate_hz: f64,
+) -> f64 {
+    let duration_s = waveform.duration_s();
     let from_hz = (-half_hz).max(-0.5 * sample_rate_hz - offset_hz);
     let band_hz = half_hz.min(0.5 * sample_rate_hz - offset_hz) - from_hz;
     if band_hz <= 0.0 {

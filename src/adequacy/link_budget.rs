@@ -207,8 +207,18 @@ fn least_share(radar: &Radar) -> f64 {
     radar.channels.iter().map(share).fold(1.0, f64::min)
 }
 
-/// `E_2^2 / E_4`, s: the length of a pulse in band.
+/// `E_2^2 / E_4`, s: the length of a pulse in band; of pulses in turn, the mean.
 fn seconds_of_pulse(waveform: &dyn Waveform, radar: &Radar) -> f64 {
+    let pulses = waveform.in_turn();
+    if !pulses.is_empty() {
+        let all: f64 = pulses.iter().map(|pulse| seconds_of_one(pulse.as_ref(), radar, f64::INFINITY)).sum();
+        return all / pulses.len() as f64;
+    }
+    seconds_of_one(waveform, radar, waveform.bandwidth_hz() + LOBES * waveform.lobe_hz())
+}
+
+/// The same of one pulse in a band, Hz.
+fn seconds_of_one(waveform: &dyn Waveform, radar: &Radar, band_hz: f64) -> f64 {
     if radar.dechirp.is_some() {
         // A tone.
         return waveform.duration_s().min(radar.window.samples as f64 / radar.sample_rate_hz);
@@ -217,7 +227,7 @@ fn seconds_of_pulse(waveform: &dyn Waveform, radar: &Radar) -> f64 {
     // Beyond the band by many lobes there is next to nothing, and the squared spectrum is that of an
     // autocorrelation of length 2 Tc: a long sweep, which needs more frequencies, is smooth within its band.
     let duration_s = waveform.duration_s();
-    let band_hz = radar.sample_rate_hz.min(waveform.bandwidth_hz() + LOBES * waveform.lobe_hz());
+    let band_hz = radar.sample_rate_hz.min(band_hz);
     let count = ((2.0 * duration_s * band_hz).ceil() as usize).clamp(FREQUENCIES[0], FREQUENCIES[1]);
     let step_hz = band_hz / count as f64;
     let [mut first, mut second] = [0.0; 2];

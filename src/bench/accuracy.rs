@@ -240,7 +240,7 @@ fn over_the_run(prepared: &Prepared, threads: usize) -> Result<Option<Vec<Vec<f6
     let asked = Asked { node_pulses: Some(1), ..Asked::error_db(OF_POWER_DB) };
     let factory = factory_for(prepared, run, &Fidelity::Fast(asked))?;
     let count = if factory.facets() > 0 { OF_SEA } else { OF_POINTS }.min(run.scene.pulses);
-    let cycle = run.scene.radar.tx_polarisation.cycle();
+    let cycle = run.scene.radar.cycle();
     let pulses: Vec<u64> = spread_over(run.scene.pulses, count, cycle).collect();
     let channels = factory.layout().channels;
     match make(&factory, &pulses, threads, &|_| (), |samples| powers(samples, channels)) {

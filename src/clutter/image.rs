@@ -112,6 +112,7 @@ pub fn image(
     let samples = radar.window.samples;
     let echo = |pulse: usize| PulseEcho {
         emission_s: gathered.emission_s[pulse],
+        number: gathered.numbers[pulse],
         window_start_s: match gathered.window_starts_s[pulse].as_slice() {
             [all] => *all,
             each => each[row.receiver],
@@ -168,10 +169,12 @@ fn compressor(radar: &Radar, replica: &[Complex32]) -> Result<Compressor, Compre
     let pulse = waveform::from_description(&radar.waveform);
     let (bandwidth_hz, pulse_s) =
         pulse.map_or((0.0, 0.0), |pulse| (pulse.bandwidth_hz(), pulse.duration_s()));
-    let shape = PulseShape { replica, sample_rate_hz: radar.sample_rate_hz, bandwidth_hz, pulse_s };
+    let turns = radar.waveform.turns();
+    let shape = PulseShape { replica, turns, sample_rate_hz: radar.sample_rate_hz, bandwidth_hz, pulse_s };
     let cells = oversampling(bandwidth_hz, radar.sample_rate_hz, INTERPOLATION_DB);
     // Flat within the band: the response is then a sinc that is zero a cell away, whatever the pulse.
-    Compressor::new(shape, radar.window.samples, RangeFilter::Flat, Taper::Uniform, cells)
+    let filter = if turns > 1 { RangeFilter::Matched } else { RangeFilter::Flat };
+    Compressor::new(shape, radar.window.samples, filter, Taper::Uniform, cells)
 }
 
 /// A grid of cells across the look and along it.

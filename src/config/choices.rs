@@ -79,11 +79,14 @@ choices! {
     AimKind { At = "at", Beside = "beside" }
     WaveformKind {
         Lfm = "lfm", Nlfm = "nlfm", Cw = "cw", PhaseCode = "phase-code", File = "file", Noise = "noise",
-        DvbT = "dvb-t", Fm = "fm", GpsCa = "gps-l1-ca", IqFile = "iq-file"
+        DvbT = "dvb-t", Fm = "fm", GpsCa = "gps-l1-ca", IqFile = "iq-file", Stepped = "stepped", InTurn = "in-turn"
     }
     SweepKind { Up = "up", Down = "down", Triangular = "triangular" }
     TaperKind { Taylor = "taylor", Hamming = "hamming" }
-    CodeKind { Barker = "barker", Frank = "frank", P3 = "p3", P4 = "p4", MSequence = "m-sequence" }
+    CodeKind {
+        Barker = "barker", Frank = "frank", P3 = "p3", P4 = "p4", MSequence = "m-sequence", GolayA = "golay-a",
+        GolayB = "golay-b"
+    }
     GateKind { Windowed = "windowed", Continuous = "continuous" }
     TxKind { Simultaneous = "simultaneous", Alternating = "alternating" }
     SignalKind { Tone = "tone", Loopback = "loopback" }

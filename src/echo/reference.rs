@@ -75,7 +75,7 @@ use num_complex::Complex64;
 use crate::paths::list::ScattererPaths;
 use crate::radar::filter::{RINGING_SAMPLES, ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
-use crate::radar::waveform::Waveform;
+use crate::radar::waveform::{Waveform, WaveformError};
 use crate::units::fast_len;
 
 /// Samples between the window and the nearest image of a pulse, on either side.
@@ -197,6 +197,17 @@ impl ReferenceEcho {
         Self { windows: of_pairs, ..self }
     }
 
+    /// The same that takes echoes up to so many samples from the window, no more than its transform has room
+    /// for.
+    pub fn reaching(self, samples: usize) -> Self {
+        Self { guard_s: samples as f64 / self.sample_rate_hz, ..self }
+    }
+
+    /// What is radiated.
+    pub fn waveform(&self) -> &dyn Waveform {
+        self.waveform.as_ref()
+    }
+
     /// Length N of the transform, samples.
     pub fn fft_len(&self) -> usize {
         self.fft_len
@@ -217,6 +228,22 @@ impl ReferenceEcho {
     pub fn spectrum_in(&self, paths: &ScattererPaths, starts_s: &[f64], out: &mut [Complex64]) -> Coverage {
         out.fill(Complex64::ZERO);
         self.add_spectrum(self.waveform.as_ref(), paths, starts_s, out)
+    }
+
+    /// The same of emission `emission`, whatever that radiates.
+    ///
+    /// # Errors
+    /// A signal that can no longer be read.
+    pub fn spectrum_of(
+        &self,
+        emission: u64,
+        paths: &ScattererPaths,
+        starts_s: &[f64],
+        out: &mut [Complex64],
+    ) -> Result<Coverage, WaveformError> {
+        let own = self.waveform.of_emission(emission)?;
+        out.fill(Complex64::ZERO);
+        Ok(self.add_spectrum(own.as_deref().unwrap_or(self.waveform.as_ref()), paths, starts_s, out))
     }
 
     /// Adds to `out` what windows receive of an emission that radiates something else, no longer than the

@@ -162,9 +162,8 @@ impl Echoes<'_> {
         let Asked { kernel_width, doppler, variant, .. } = budget.asked;
         let doppler = doppler.unwrap_or(match self.waveform.sweep_rate_hz_per_s() {
             Some(_) => Doppler::Shift,
-            // Segments are often so short that one layer does.
-            None if self.waveform.is_stream() => Doppler::Mean,
-            None => Doppler::Taylor,
+            // Pulses and segments are often so short that one layer does.
+            None => Doppler::Mean,
         });
         let guard_samples = self.generator.guard_samples();
         let of = |width: usize, oversampling: f64| {

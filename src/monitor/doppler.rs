@@ -108,8 +108,10 @@ impl Burst {
         let mut lines: Vec<Vec<Complex32>> = Vec::with_capacity(rows);
         let taper = |n: usize| (0.5 - 0.5 * (TAU * (n as f64 + 0.5) / rows as f64).cos()) as f32;
         let sum: f32 = (0..rows).map(taper).sum();
+        let last = self.last.unwrap_or(0);
+        let number = |n: usize| last.saturating_sub((rows - 1 - n) as u64 * self.step);
         for n in 0..rows {
-            let cells = ranges.compress(&self.windows[n]);
+            let cells = ranges.compress(&self.windows[n], number(n));
             let by = shift(self.starts_s[n]);
             let weight = taper(n) / sum;
             let of = |cell: usize| {

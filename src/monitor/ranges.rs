@@ -48,12 +48,7 @@ impl Ranges {
     /// received over the wire).
     pub fn new(header: &Header) -> Option<Self> {
         let samples = header.layout.samples;
-        let shape = PulseShape {
-            replica: &header.replica,
-            sample_rate_hz: header.sample_rate_hz,
-            bandwidth_hz: header.bandwidth_hz,
-            pulse_s: header.pulse_s,
-        };
+        let shape = PulseShape::of(header);
         let oversampling = (WANTED_CELLS / samples.max(1)).clamp(2, 8);
         let compressor =
             Compressor::new(shape, samples, RangeFilter::Matched, Taper::Uniform, oversampling).ok()?;
@@ -109,15 +104,15 @@ impl Ranges {
         &self.window
     }
 
-    /// Compresses a window into cells.
-    pub fn compress(&self, window: &[Complex32]) -> Vec<Complex32> {
-        self.compressor.compress(window, 0.0)
+    /// Compresses the window of a pulse, by its number, into cells.
+    pub fn compress(&self, window: &[Complex32], number: u64) -> Vec<Complex32> {
+        self.compressor.compress(window, number, 0.0)
     }
 
     /// Levels of the columns of a channel.
     pub fn levels(&mut self, pulse: &Pulse, channel: usize) -> Vec<i16> {
         self.window(pulse, channel);
-        let cells = self.compressor.compress(&self.window, 0.0);
+        let cells = self.compressor.compress(&self.window, pulse.index, 0.0);
         self.peaks(cells.iter().map(Complex32::norm_sqr))
     }
 

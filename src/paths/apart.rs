@@ -18,7 +18,7 @@ use crate::paths::sea::Drawn;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 use crate::radar::fault::RadarError;
-use crate::radar::window::Window;
+use crate::radar::window::{GUARD_SAMPLES, RINGING_OF_PULSES, Window};
 use crate::scene::radar::{Channel, TxPolarisation};
 use crate::scene::{Emitter, Radar, Scene};
 use crate::time::{PulseTimes, TimeTag};
@@ -244,7 +244,7 @@ impl PathGenerator {
     ) -> Result<(), RadarError> {
         let mut windows = std::mem::take(&mut workspace.windows);
         windows.clear();
-        windows.extend(starts_s.iter().map(|open_s| Window::new(&self.radar, *open_s, self.pulse_length_s)));
+        windows.extend(starts_s.iter().map(|open_s| self.window(*open_s)));
         let made = self.append_in_windows(index, &windows, workspace, paths);
         workspace.windows = windows;
         made
@@ -319,8 +319,18 @@ impl PathGenerator {
     }
 
     fn windows_from(&self, starts_s: &[f64]) -> Vec<Window> {
-        let of = |open_s: &f64| Window::new(&self.radar, *open_s, self.pulse_length_s);
-        starts_s.iter().map(of).collect()
+        starts_s.iter().map(|open_s| self.window(*open_s)).collect()
+    }
+
+    /// A window that opens so long after its pulse, s.
+    pub(super) fn window(&self, open_s: f64) -> Window {
+        let window = Window::new(&self.radar, open_s, self.pulse_length_s);
+        if !self.is_apart() || self.radar.waveform.turns() == 1 {
+            return window;
+        }
+        // Pulses in turn are joined with all that the filter rings of them.
+        let guard_samples = GUARD_SAMPLES + RINGING_OF_PULSES;
+        Window { guard_s: guard_samples as f64 / self.radar.sample_rate_hz, ..window }
     }
 
     /// The number of an emission in its train, also of one that left before the first pulse.

@@ -129,7 +129,7 @@ impl PathGenerator {
         let pulses = windows_s.first().map_or(0, Vec::len);
         let hull = |pulse: usize| {
             let starts_s = windows_s.iter().filter_map(|of| of.get(pulse));
-            Window::hull(starts_s.map(|start_s| Window::new(&self.radar, *start_s, self.pulse_length_s)))
+            Window::hull(starts_s.map(|start_s| self.window(*start_s)))
         };
         let (at, count) = nodes_within(pulses);
         let (mut spans, mut fastest_mps) = ([None; NODES], 0f64);

@@ -87,10 +87,11 @@ fn plan(
     (asked, mixed): (&Asked, f64),
 ) -> Result<Plan, BuildErrors> {
     // A pulse is judged by the mean of all, of which few may receive anything.
-    let share = match generator.is_apart() {
-        true => least_share(share_of_pulses(generator, generator)?) * steadiness(scene, waveform.as_ref()),
+    let received = match generator.is_apart() {
+        true => least_share(share_of_pulses(generator, generator)?),
         false => mixed,
     };
+    let share = received * steadiness(scene, waveform.as_ref());
     let finer = |error_db: f64| (error_db + 10.0 * share.log10()).max(EXACT_DB.min(error_db));
     let choose = |chooser: &mut Chooser<'_>, error_db: f64, node_pulses: Option<u64>| {
         let plan = chooser.choose(&Asked { error_db: finer(error_db), node_pulses, ..*asked })?;
@@ -197,7 +198,7 @@ impl Chosen {
         }
         // Half of them all over the run; a block at its begin, and its end, where the last block is cut
         // short.
-        let cycle = scene.radar.tx_polarisation.cycle();
+        let cycle = scene.radar.cycle();
         let spread: BTreeSet<u64> = spread_over(all, count / 2, cycle).collect();
         let ends = (count / 4).min(block);
         let pulses: BTreeSet<u64> = spread.iter().copied().chain(0..ends).chain(all - ends..all).collect();

@@ -104,6 +104,14 @@ pub(crate) fn point_paths(paths: &PathGenerator) -> usize {
     3 * (paths.target_count() + 1)
 }
 
+/// Refuses paths of other emissions than a pulse's own, whose waveform is another.
+pub(super) fn receives_one(pulse: u64, paths: &ScattererPaths) -> Result<(), PulseError> {
+    match paths.emission_offset_s.iter().any(|offset_s| *offset_s != 0.0) {
+        true => Err(PulseError::SeveralInTurn { pulse }),
+        false => Ok(()),
+    }
+}
+
 impl EchoEngine for ReferenceEcho {
     fn fft_len(&self) -> usize {
         self.fft_len()
@@ -123,7 +131,13 @@ impl EchoWorker for ReferenceWorker<'_> {
     fn fill(&mut self, index: u64, pulse: &mut Pulse, desk: &mut Desk<'_>) -> Result<(), PulseError> {
         let Desk { paths: generator, memory, spectrum } = desk;
         generator.pulse(index, memory, &mut self.paths, pulse)?;
-        self.echo.spectrum_in(&self.paths, pulse.window_starts_s(), spectrum);
+        if self.echo.waveform().is_one() {
+            self.echo.spectrum_in(&self.paths, pulse.window_starts_s(), spectrum);
+        } else {
+            receives_one(index, &self.paths)?;
+            let number = generator.number_of(index);
+            self.echo.spectrum_of(number, &self.paths, pulse.window_starts_s(), spectrum)?;
+        }
         memory.costs.lap(Stage::Spread);
         memory.costs.accumulated(self.paths.len() * generator.pairs().len());
         Ok(())

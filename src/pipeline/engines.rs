@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::block::{BlockEcho, Joint};
 use super::engine::{EchoEngine, JointReference};
-use super::joined::RINGING_SAMPLES;
+use super::joined::Span;
 use super::single::SingleEcho;
-use crate::echo::reference::ReferenceEcho;
+use crate::echo::reference::{GUARD_SAMPLES, ReferenceEcho};
 use crate::echo::synth::{Precision, Settings, Synth, SynthError};
 use crate::fidelity::budget::Plan;
 use crate::paths::PathGenerator;
@@ -27,7 +27,8 @@ pub(crate) fn engine(
 ) -> Result<Arc<dyn EchoEngine>, SynthError> {
     let of_channels = generator.channel_pairs();
     let (carrier_hz, rate_hz, samples) = (radar.carrier_hz, radar.sample_rate_hz, radar.window.samples);
-    if waveform.is_stream() {
+    // Where windows may receive several emissions that are not alike, grids are those of emissions.
+    if generator.is_apart() && !waveform.is_one() {
         return joint(plan, radar, segment, generator, waveform);
     }
     let waveform = Arc::clone(waveform);
@@ -53,9 +54,13 @@ pub(crate) fn engine(
 }
 
 fn reference(radar: &Radar, generator: &PathGenerator, waveform: Arc<dyn Waveform>) -> ReferenceEcho {
-    let (pairs, guard) = (generator.channel_pairs().to_vec(), generator.guard_samples());
+    // Pulses, unlike segments, begin and end near windows, which receive what the filter rings of them.
+    let joint = generator.is_apart() && !waveform.in_turn().is_empty();
+    let ringing = if joint { Span::ringing(waveform.as_ref()) + GUARD_SAMPLES } else { 0 };
+    let (pairs, guard) = (generator.channel_pairs().to_vec(), generator.guard_samples().max(ringing));
     let (rate_hz, samples) = (radar.sample_rate_hz, radar.window.samples);
     let echo = ReferenceEcho::with_guard(waveform, radar.carrier_hz, rate_hz, samples, pairs, guard);
+    let echo = if joint { echo.reaching(ringing) } else { echo };
     echo.in_windows(generator.pair_windows())
 }
 
@@ -77,7 +82,7 @@ fn joint(
         return Ok(Arc::new(JointReference { echo, waveform: Arc::clone(waveform) }));
     };
     // Grids are as long as an emission: what a window needs beside itself is not for them.
-    let guard_samples = RINGING_SAMPLES;
+    let guard_samples = joint.span.ringing;
     let settings = Settings { guard_samples, ..chosen.echo };
     let (own, samples) = (Arc::clone(waveform), joint.span.samples);
     let hold = generator.hold_pulses();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::dry_run;
 use super::engines;
-use super::fault::BuildErrors;
+use super::fault::{BuildError, BuildErrors};
 use super::mixed;
 use super::overheard::{self, Overheard, segment_apart};
 use super::prepared::Files;
@@ -77,6 +77,9 @@ pub(super) fn with_classes(
         Some((own, generator)) => (own, generator.clone()),
         None => (scene, PathGenerator::on(scene, waveform.duration_s(), tracks, &drawn)?),
     };
+    if !waveform.is_one() && !generator.is_apart() && !generator.receives_itself_alone() {
+        return Err(BuildError::SeveralInTurn.into());
+    }
     let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
     let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
     let clocks = clocks.map(Arc::new);

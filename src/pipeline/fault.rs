@@ -19,6 +19,10 @@ use rayon::ThreadPoolBuildError;
 use std::path::PathBuf;
 use thiserror::Error;
 
+/// What is allowed of waveforms in turn.
+const ONE_IN_TURN: &str = "allowed: gate = \"continuous\" in [radar.window], a lower prf_hz, a window that holds no echo of \
+                           another emission";
+
 /// Why a run cannot be started. Each entry is one fault of the input.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -97,6 +101,9 @@ pub enum BuildError {
         /// At most.
         allowed: f64,
     },
+    /// Pulses that leave in turn, of which a window receives several.
+    #[error("radar.waveform: windows receive several of the pulses in turn; {ONE_IN_TURN}")]
+    SeveralInTurn,
     /// An emitter that begins after the run.
     #[error(
         "emitter '{name}': its first pulse leaves {start_s} s after pulse 0, when the last window has closed; allowed: an earlier \
@@ -244,6 +251,7 @@ impl From<PulseError> for BuildError {
             PulseError::Radar(error) => error.into(),
             PulseError::Echo(error) => error.into(),
             PulseError::Waveform(error) => error.into(),
+            PulseError::SeveralInTurn { .. } => Self::SeveralInTurn,
             PulseError::Unplaced { .. } => Self::Pulse(error),
         }
     }
@@ -292,6 +300,14 @@ pub enum PulseError {
     /// What it is an echo of.
     #[error(transparent)]
     Waveform(#[from] WaveformError),
+    /// A window that receives several of the pulses that leave in turn.
+    #[error(
+        "the window of pulse {pulse} receives other pulses of waveforms in turn besides its own; {ONE_IN_TURN}"
+    )]
+    SeveralInTurn {
+        /// The pulse.
+        pulse: u64,
+    },
 }
 
 /// Why a run cannot use its live navigation.

@@ -18,11 +18,13 @@ use num_complex::Complex64;
 
 use super::refit::fade;
 use crate::radar::filter::bin_frequency_hz;
-use crate::radar::window::GUARD_SAMPLES;
+use crate::radar::waveform::Waveform;
+use crate::radar::window::{GUARD_SAMPLES, RINGING_OF_PULSES};
 use crate::units::fast_len;
 
-/// Samples kept beyond either end of what an emission returns: what the receive filter rings.
-pub(crate) const RINGING_SAMPLES: usize = 2 * GUARD_SAMPLES;
+/// Samples kept beyond either end of what an emission returns, of segments and of pulses: what the receive
+/// filter rings. Windows that receive nothing but that of a pulse show where it is cut off.
+const RINGING_SAMPLES: [usize; 2] = [2 * GUARD_SAMPLES, RINGING_OF_PULSES];
 /// Rests of a sample that are as good as equal.
 const EQUAL: f64 = 1e-7;
 
@@ -35,20 +37,29 @@ pub(crate) struct Span {
     pub samples: usize,
     /// Samples of an emission.
     pub pulse: usize,
+    /// Samples that are kept beyond either end.
+    pub ringing: usize,
 }
 
 impl Span {
-    /// For delays within these, s, of a pulse of so many samples.
-    pub fn new((least_s, most_s): (f64, f64), pulse: usize, sample_rate_hz: f64) -> Self {
+    /// For delays within these, s, of such emissions.
+    pub fn new((least_s, most_s): (f64, f64), waveform: &dyn Waveform, sample_rate_hz: f64) -> Self {
+        let pulse = waveform.span_samples(sample_rate_hz);
+        let ringing = Self::ringing(waveform);
         // Origins are whole samples after their emissions.
         let first = (least_s * sample_rate_hz).floor();
         let samples = (most_s * sample_rate_hz - first).ceil().max(0.0) as usize + 1;
-        Self { origin_s: (first + pulse as f64) / sample_rate_hz, samples, pulse }
+        Self { origin_s: (first + pulse as f64) / sample_rate_hz, samples, pulse, ringing }
+    }
+
+    /// Samples kept beyond either end.
+    pub fn ringing(waveform: &dyn Waveform) -> usize {
+        RINGING_SAMPLES[usize::from(!waveform.is_stream())]
     }
 
     /// Samples of an echo, from the origin on.
     fn reach(&self) -> Range<isize> {
-        let ringing = RINGING_SAMPLES as isize;
+        let ringing = self.ringing as isize;
         -(self.pulse as isize) - ringing..self.samples as isize + ringing
     }
 }

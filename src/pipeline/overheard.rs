@@ -31,7 +31,7 @@ use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::clock::RunningClocks;
 use crate::radar::fault::RadarError;
-use crate::radar::waveform::{self, Offset, Waveform};
+use crate::radar::waveform::{self, Waveform, offset};
 use crate::scene::radar::{Channel, Gate, Waveform as Described};
 use crate::scene::{Emitter, Radar, Scene};
 use crate::time::PulseTimes;
@@ -102,7 +102,7 @@ fn one(
         return Err(BuildError::EmitterLate { name, start_s }.into());
     }
     let offset_hz = emitter.carrier_hz - radar.carrier_hz;
-    let waveform: Arc<dyn Waveform> = Arc::new(Offset::new(waveform, offset_hz));
+    let waveform = offset(waveform, offset_hz);
     let pulse_s = waveform.duration_s();
     let generator = PathGenerator::of_emitter((scene, emitter), &own, pulse_s, tracks.to_vec(), drawn)?;
     let channels = channels_of(radar, &own.radar);

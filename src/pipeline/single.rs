@@ -9,7 +9,7 @@ use crate::echo::synth::{Grids, Synth, SynthScratch};
 use crate::paths::PathGenerator;
 use crate::paths::list::ScattererPaths;
 use crate::pipeline::block::{Joint, check};
-use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, full_list};
+use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, full_list, receives_one};
 use crate::pipeline::fault::PulseError;
 use crate::pipeline::joined::{Joined, channel_starts};
 use crate::pipeline::kit::Desk;
@@ -76,13 +76,17 @@ impl EchoWorker for SingleWorker<'_> {
         let Desk { paths: generator, memory, spectrum } = desk;
         generator.pulse(index, memory, paths, pulse)?;
         let (starts_s, costs) = (pulse.window_starts_s(), &mut memory.costs);
+        let own = synth.in_turn(generator.number_of(index));
+        if own.is_some() {
+            receives_one(index, paths)?;
+        }
         let found = if let (Some(band_hz), Some(bands)) = (synth.settings().band_hz, bands.as_mut()) {
-            let found = synth.pulse_in_bands(paths, starts_s, band_hz, bands, spectrum)?;
+            let found = synth.pulse_in_bands(own, paths, starts_s, band_hz, bands, spectrum)?;
             costs.lap(Stage::Spread);
             check(found)?;
             found
         } else {
-            synth.fill_in(&[Node { pulse: 0, paths }], starts_s.as_chunks::<1>().0, block)?;
+            synth.fill_radiated(own, &[Node { pulse: 0, paths }], starts_s.as_chunks::<1>().0, block)?;
             check(block.found())?;
             costs.lap(Stage::Fill);
             synth.spread(block, grids);
@@ -106,7 +110,6 @@ impl SingleWorker<'_> {
         let (starts_s, windows) = (pulse.window_starts_s(), generator.pair_windows());
         let channels = generator.channel_pairs().len();
         joined.clear(channels);
-        let mut replicas = Vec::new();
         for emitted in emissions {
             generator.paths_of_emission((index, emitted), starts_s, memory, paths)?;
             let own = joint.waveform.of_emission(generator.number_of(emitted))?;
@@ -115,12 +118,11 @@ impl SingleWorker<'_> {
             let origin_s = [offset_s + joint.span.origin_s];
             let mut bins = vec![Complex64::ZERO; channels * synth.fft_len()];
             let found = if let (Some(band_hz), Some(bands)) = (synth.settings().band_hz, bands.as_mut()) {
-                synth.emission_in_bands(own.as_ref(), paths, &origin_s, band_hz, bands, &mut bins)?
+                synth.pulse_in_bands(Some(own.as_ref()), paths, &origin_s, band_hz, bands, &mut bins)?
             } else {
-                synth.fill_without_replicas(&[Node { pulse: 0, paths }], &[origin_s], block)?;
+                synth.fill_radiated(Some(own.as_ref()), &[Node { pulse: 0, paths }], &[origin_s], block)?;
                 synth.spread(block, grids);
-                synth.replicas_of(own.as_ref(), block.frame().mean_hz(), &mut replicas);
-                synth.spectrum_by(&replicas, (block.frame(), 0), grids, scratch, &mut bins);
+                synth.spectrum(block, grids, 0, scratch, &mut bins);
                 block.found()
             };
             check(found)?;

@@ -290,11 +290,22 @@ impl PulseFactory {
         Pulse::new(&self.layout)
     }
 
-    /// The transmitted pulse after the receive filter; see [`Receiver::replica`]. Of a radar that dechirps,
-    /// the tone of frequency 0 that the delay of its reference gives.
+    /// The transmitted pulse after the receive filter; see [`Receiver::replica`]. Of pulses in turn one after
+    /// the other, each as long as the longest; of a radar that dechirps, the tone of frequency 0 that the
+    /// delay of its reference gives.
     pub fn replica(&self) -> Vec<Complex32> {
         if self.reception.dechirp.is_none() {
-            return self.reception.receiver.replica(&*self.waveform);
+            let (receiver, pulses) = (&self.reception.receiver, self.waveform.in_turn());
+            if pulses.is_empty() {
+                return receiver.replica(&*self.waveform);
+            }
+            let length = self.waveform.span_samples(self.sample_rate_hz);
+            let of = |pulse: &Arc<dyn Waveform>| {
+                let mut replica = receiver.replica(pulse.as_ref());
+                replica.resize(length, Complex32::ZERO);
+                replica
+            };
+            return pulses.iter().flat_map(of).collect();
         }
         // What comes back with the delay of the reference.
         let samples = self.waveform.span_samples(self.sample_rate_hz).min(self.layout.samples);

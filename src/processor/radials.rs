@@ -49,12 +49,7 @@ impl Radials {
     pub fn of(header: &Header, channel: Option<&str>, cell_s: f64, mean: bool) -> Result<Self, PpiError> {
         let (channel, sight) = Sight::of(header, channel)?;
         let row = &header.channels[channel];
-        let shape = PulseShape {
-            replica: &header.replica,
-            sample_rate_hz: header.sample_rate_hz,
-            bandwidth_hz: header.bandwidth_hz,
-            pulse_s: header.pulse_s,
-        };
+        let shape = PulseShape::of(header);
         let detector = Detector::new(shape, header.layout.samples, cell_s, mean)?;
         let receiver = header.receiver_of(channel).unwrap_or(0);
         Ok(Self {
@@ -127,18 +122,18 @@ impl Radials {
 
     /// Puts the powers of the cells of a pulse in place of those in `powers_w`, W; the number of the first.
     pub fn detect(&mut self, pulse: &Pulse, powers_w: &mut Vec<f32>) -> u32 {
-        let start_s = pulse.window_start_of(self.receiver);
+        let opens = (pulse.index, pulse.window_start_of(self.receiver));
         let range = self.channel * self.samples..(self.channel + 1) * self.samples;
         let Self { detector, step, .. } = self;
         match &pulse.samples {
             Samples::Cf32(all) => {
                 let window = all.get(range).unwrap_or_default();
-                detector.detect(window.iter().copied(), start_s, powers_w)
+                detector.detect(window.iter().copied(), opens, powers_w)
             }
             Samples::Ci16(codes) => {
                 let volts = |code: i16| (f32::from(code) + 0.5) * *step;
                 let window = codes.get(range).unwrap_or_default().iter();
-                detector.detect(window.map(|[i, q]| Complex32::new(volts(*i), volts(*q))), start_s, powers_w)
+                detector.detect(window.map(|[i, q]| Complex32::new(volts(*i), volts(*q))), opens, powers_w)
             }
         }
     }

@@ -36,6 +36,7 @@ use nereus_fft::Fft;
 use num_complex::{Complex32, Complex64};
 
 use super::taper::Taper;
+use crate::recording::header::Header;
 
 /// Most cells in a sample.
 const MOST_OVERSAMPLING: usize = 64;
@@ -71,6 +72,9 @@ pub enum CompressError {
         /// Samples of the window.
         samples: usize,
     },
+    /// Pulses in turn whose spectra cannot be divided out within one band.
+    #[error("pulses of waveforms in turn cannot be compressed by a flat filter; allowed: the matched filter")]
+    FlatInTurn,
     /// A band in which the replica has nothing.
     #[error("the replica has no power within its bandwidth of {bandwidth_hz} Hz")]
     Band {
@@ -97,9 +101,8 @@ pub fn oversampling(bandwidth_hz: f64, sample_rate_hz: f64, error_db: f64) -> us
 
 /// Compresses windows of one length.
 pub struct Compressor {
-    replica: Vec<Complex64>,
-    /// One over what the filter makes of the replica itself at no delay.
-    scale: f64,
+    /// Of every pulse in turn: its replica, and one over what the filter makes of that at no delay.
+    replicas: Vec<(Vec<Complex64>, f64)>,
     samples: usize,
     sample_rate_hz: f64,
     bandwidth_hz: f64,
@@ -115,14 +118,30 @@ pub struct Compressor {
 /// What a pulse looks like.
 #[derive(Clone, Copy, Debug)]
 pub struct PulseShape<'a> {
-    /// As transmitted and filtered by the receiver, from its start, one entry per sample.
+    /// As transmitted and filtered by the receiver, from its start, one entry per sample; of pulses in turn one
+    /// after the other.
     pub replica: &'a [Complex32],
+    /// Pulses in turn; 1 of a radar whose pulses are alike.
+    pub turns: usize,
     /// Sample rate, Hz.
     pub sample_rate_hz: f64,
     /// Bandwidth, Hz.
     pub bandwidth_hz: f64,
     /// Length, s.
     pub pulse_s: f64,
+}
+
+impl<'a> PulseShape<'a> {
+    /// That of a recording or a stream.
+    pub fn of(header: &'a Header) -> Self {
+        Self {
+            replica: &header.replica,
+            turns: header.turns(),
+            sample_rate_hz: header.sample_rate_hz,
+            bandwidth_hz: header.bandwidth_hz,
+            pulse_s: header.pulse_s,
+        }
+    }
 }
 
 impl Compressor {
@@ -137,25 +156,31 @@ impl Compressor {
         taper: Taper,
         oversampling: usize,
     ) -> Result<Self, CompressError> {
-        let replica: Vec<Complex64> =
-            pulse.replica.iter().map(|z| Complex64::new(z.re.into(), z.im.into())).collect();
-        let energy: f64 = replica.iter().map(Complex64::norm_sqr).sum();
+        let wide = |z: &Complex32| Complex64::new(z.re.into(), z.im.into());
+        let length = pulse.replica.len() / pulse.turns.max(1);
+        let replicas = pulse.replica.chunks_exact(length.max(1)).map(|own| own.iter().map(wide).collect());
+        let replicas: Vec<Vec<Complex64>> = replicas.collect();
+        let energy = |own: &Vec<Complex64>| own.iter().map(Complex64::norm_sqr).sum();
+        let least = replicas.iter().map(energy).reduce(f64::min).unwrap_or(0.0);
         let positive = |x: f64| x.is_finite() && x > 0.0;
-        let legal = [energy, pulse.sample_rate_hz, pulse.bandwidth_hz].into_iter().all(positive)
+        let legal = [least, pulse.sample_rate_hz, pulse.bandwidth_hz].into_iter().all(positive)
             && pulse.pulse_s.is_finite()
             && samples > 0;
         if !legal {
             return Err(CompressError::Pulse {
-                replica: replica.len(),
+                replica: pulse.replica.len(),
                 sample_rate_hz: pulse.sample_rate_hz,
                 bandwidth_hz: pulse.bandwidth_hz,
                 samples,
             });
         }
-        let len = (samples + replica.len()).next_power_of_two();
+        if pulse.turns > 1 && filter == RangeFilter::Flat {
+            return Err(CompressError::FlatInTurn);
+        }
+        let len = (samples + length).next_power_of_two();
         let oversampling = oversampling.clamp(1, MOST_OVERSAMPLING).next_power_of_two();
         let mut made = Self {
-            scale: 1.0,
+            replicas: replicas.into_iter().map(|replica| (replica, 1.0)).collect(),
             samples,
             sample_rate_hz: pulse.sample_rate_hz,
             bandwidth_hz: pulse.bandwidth_hz,
@@ -166,15 +191,19 @@ impl Compressor {
             len,
             forward: nereus_fft::forward(len),
             inverse: nereus_fft::inverse(len * oversampling),
-            replica,
         };
         // Once, without Doppler: that moves the pulse under the taper by f_D/B and the level by less, 2.5e-4
         // for 15 kHz in 60 MHz.
-        let own = made.transform(&mut made.replica.iter().copied());
-        let level: f64 = own.iter().enumerate().map(|(k, q)| (q * made.weight(k, *q)).re).sum();
-        made.scale = level.recip();
-        if !positive(made.scale) {
-            return Err(CompressError::Band { bandwidth_hz: pulse.bandwidth_hz });
+        let level = |(replica, _): &(Vec<Complex64>, f64)| {
+            let own = made.transform(&mut replica.iter().copied());
+            own.iter().enumerate().map(|(k, q)| (q * made.weight(k, *q)).re).sum::<f64>()
+        };
+        let levels: Vec<f64> = made.replicas.iter().map(level).collect();
+        for ((_, scale), level) in made.replicas.iter_mut().zip(levels) {
+            *scale = level.recip();
+            if !positive(*scale) {
+                return Err(CompressError::Band { bandwidth_hz: pulse.bandwidth_hz });
+            }
         }
         Ok(made)
     }
@@ -192,6 +221,11 @@ impl Compressor {
     /// Sample rate, Hz.
     pub fn sample_rate_hz(&self) -> f64 {
         self.sample_rate_hz
+    }
+
+    /// Bins of a transform.
+    pub(super) fn len(&self) -> usize {
+        self.len
     }
 
     /// Samples of a window.
@@ -216,46 +250,54 @@ impl Compressor {
         bins
     }
 
-    /// What a bin of the echo is multiplied by where the pulse has `q`.
+    /// What was radiated by a pulse of this number, and its scale.
+    fn replica_of(&self, number: u64) -> (&[Complex64], f64) {
+        let turn = number.checked_rem(self.replicas.len() as u64).unwrap_or(0);
+        self.replicas.get(turn as usize).map_or((&[], 1.0), |(replica, scale)| (replica, *scale))
+    }
+
+    /// What a bin of the echo is multiplied by where the pulse has `q`, without the scale.
     fn weight(&self, k: usize, q: Complex64) -> Complex64 {
         let len = self.len as f64;
         let signed = if k < self.len / 2 { k as f64 } else { k as f64 - len };
         let x = signed / len * self.sample_rate_hz / self.bandwidth_hz;
         match (self.filter, self.taper) {
             // The whole spectrum of the pulse, what leaks over the edges of its band too.
-            (RangeFilter::Matched, Taper::Uniform) => q.conj() * self.scale,
-            (RangeFilter::Matched, taper) => q.conj() * (taper.weight(x) * self.scale),
-            (RangeFilter::Flat, taper) if x.abs() <= 0.5 && q.norm_sqr() > 0.0 => {
-                q.inv() * (taper.weight(x) * self.scale)
-            }
+            (RangeFilter::Matched, Taper::Uniform) => q.conj(),
+            (RangeFilter::Matched, taper) => q.conj() * taper.weight(x),
+            (RangeFilter::Flat, taper) if x.abs() <= 0.5 && q.norm_sqr() > 0.0 => q.inv() * taper.weight(x),
             (RangeFilter::Flat, _) => Complex64::ZERO,
         }
     }
 
-    /// Spectrum of a compressed window: bin `k` belongs to the frequency `k fs/N`, the upper half negative,
+    /// Spectrum of the compressed window of pulse `number`: bin `k` belongs to the frequency `k fs/N`, the upper half negative,
     /// and `C(lag) = sum_k spectrum[k] e^{j 2 pi f_k lag / fs}`.
-    pub fn spectrum(&self, window: &[Complex32], doppler_hz: f64) -> Vec<Complex64> {
+    pub fn spectrum(&self, window: &[Complex32], number: u64, doppler_hz: f64) -> Vec<Complex64> {
+        let (replica, scale) = self.replica_of(number);
         let mut echo = window.iter().take(self.samples).map(|z| Complex64::new(z.re.into(), z.im.into()));
         let mut bins = self.transform(&mut echo);
-        let mut turned = self.replica.iter().enumerate().map(|(i, q)| {
+        let mut turned = replica.iter().enumerate().map(|(i, q)| {
             q * Complex64::cis(TAU * doppler_hz * (i as f64 / self.sample_rate_hz - self.middle_s()))
         });
         let pulse = self.transform(&mut turned);
         for (k, (bin, q)) in bins.iter_mut().zip(&pulse).enumerate() {
-            *bin *= self.weight(k, *q);
+            *bin *= self.weight(k, *q) * scale;
         }
         bins
     }
 
-    /// What a bin of the echo is multiplied by without Doppler.
-    pub(super) fn filter(&self) -> Vec<Complex64> {
-        let own = self.transform(&mut self.replica.iter().copied());
-        own.iter().enumerate().map(|(k, q)| self.weight(k, *q)).collect()
+    /// What a bin of the echo is multiplied by without Doppler, by the pulses in turn.
+    pub(super) fn filters(&self) -> Vec<Vec<Complex64>> {
+        let of = |(replica, scale): &(Vec<Complex64>, f64)| {
+            let own = self.transform(&mut replica.iter().copied());
+            own.iter().enumerate().map(|(k, q)| self.weight(k, *q) * scale).collect()
+        };
+        self.replicas.iter().map(of).collect()
     }
 
-    /// Compresses a window into [`Self::cells`] cells.
-    pub fn compress(&self, window: &[Complex32], doppler_hz: f64) -> Vec<Complex32> {
-        let spectrum = self.spectrum(window, doppler_hz);
+    /// Compresses the window of pulse `number` into [`Self::cells`] cells.
+    pub fn compress(&self, window: &[Complex32], number: u64, doppler_hz: f64) -> Vec<Complex32> {
+        let spectrum = self.spectrum(window, number, doppler_hz);
         let mut fine = vec![Complex32::ZERO; self.len * self.oversampling];
         let half = self.len / 2;
         let narrow = |z: &Complex64| Complex32::new(z.re as f32, z.im as f32);
@@ -299,7 +341,13 @@ mod tests {
 
     fn compressor(pulse_s: f64, filter: RangeFilter, taper: Taper, oversampling: usize) -> Compressor {
         let replica = sweep(pulse_s, 0.0, 0.0, (pulse_s * RATE_HZ).ceil() as usize);
-        let shape = PulseShape { replica: &replica, sample_rate_hz: RATE_HZ, bandwidth_hz: BAND_HZ, pulse_s };
+        let shape = PulseShape {
+            replica: &replica,
+            turns: 1,
+            sample_rate_hz: RATE_HZ,
+            bandwidth_hz: BAND_HZ,
+            pulse_s,
+        };
         Compressor::new(shape, 1024, filter, taper, oversampling).unwrap()
     }
 
@@ -311,7 +359,7 @@ mod tests {
         // only.
         for doppler_hz in [0.0, 15e3, -500e3] {
             let window = sweep(pulse_s, 300.0 / RATE_HZ, doppler_hz, 1024);
-            let cells = compressor.compress(&window, doppler_hz);
+            let cells = compressor.compress(&window, 0, doppler_hz);
             let peak = (0..cells.len()).max_by(|a, b| cells[*a].norm().total_cmp(&cells[*b].norm())).unwrap();
             assert_eq!(peak, 300 * 16, "{doppler_hz}");
             // The same sums on both sides: rounding of f32 over 14 stages.
@@ -325,15 +373,20 @@ mod tests {
             for taper in [Taper::Uniform, Taper::Hann, Taper::Taylor, Taper::Kaiser] {
                 let compressor = compressor(4e-6, filter, taper, 16);
                 let window = sweep(4e-6, 300.0 / RATE_HZ, 0.0, 1024);
-                let cells = compressor.compress(&window, 0.0);
+                let cells = compressor.compress(&window, 0, 0.0);
                 // The same sums on both sides: rounding of f32 over 14 stages.
                 assert!((cells[300 * 16] - Complex32::ONE).norm() < 2e-5, "{filter:?} {taper:?}");
             }
         }
         // A replica that has nothing where the taper is: two samples that cancel, a band of one bin.
         let replica = [Complex32::ONE, -Complex32::ONE];
-        let shape =
-            PulseShape { replica: &replica, sample_rate_hz: RATE_HZ, bandwidth_hz: 1.0, pulse_s: 2e-8 };
+        let shape = PulseShape {
+            replica: &replica,
+            turns: 1,
+            sample_rate_hz: RATE_HZ,
+            bandwidth_hz: 1.0,
+            pulse_s: 2e-8,
+        };
         for filter in [RangeFilter::Matched, RangeFilter::Flat] {
             let refused = Compressor::new(shape, 64, filter, Taper::Hann, 1);
             assert_eq!(refused.err(), Some(CompressError::Band { bandwidth_hz: 1.0 }));
@@ -344,7 +397,7 @@ mod tests {
     fn interpolation_errs_as_predicted() {
         let compressor = compressor(4e-6, RangeFilter::Flat, Taper::Uniform, 16);
         let window = sweep(4e-6, 200.0 / RATE_HZ, 0.0, 1024);
-        let cells = compressor.compress(&window, 0.0);
+        let cells = compressor.compress(&window, 0, 0.0);
         let spectrum = compressor.spectrum(&window, 0.0);
         let exact = |lag: f64| -> Complex64 {
             let len = spectrum.len();

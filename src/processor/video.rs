@@ -16,11 +16,11 @@
 //! use num_complex::Complex32;
 //! // A plain pulse of 4 samples, echoed after 10 us.
 //! let replica = vec![Complex32::ONE; 4];
-//! let shape = PulseShape { replica: &replica, sample_rate_hz: 1e6, bandwidth_hz: 1e6, pulse_s: 4e-6 };
+//! let shape = PulseShape { replica: &replica, turns: 1, sample_rate_hz: 1e6, bandwidth_hz: 1e6, pulse_s: 4e-6 };
 //! let mut detector = Detector::new(shape, 32, 1e-6, false)?;
 //! let window = (0..32).map(|i| if (6..10).contains(&i) { Complex32::ONE } else { Complex32::ZERO });
 //! let mut powers_w = Vec::new();
-//! let first = detector.detect(window, 4e-6, &mut powers_w);
+//! let first = detector.detect(window, (0, 4e-6), &mut powers_w);
 //! let peak = (0..powers_w.len()).max_by(|a, b| powers_w[*a].total_cmp(&powers_w[*b])).unwrap();
 //! assert_eq!((first, first as usize + peak), (4, 10));
 //! assert!((powers_w[peak] - 1.0).abs() < 0.01);
@@ -30,7 +30,7 @@
 use std::sync::Arc;
 
 use nereus_fft::Fft;
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
 
 use super::range_compress::{CompressError, Compressor, PulseShape, RangeFilter};
 use super::taper::Taper;
@@ -43,7 +43,8 @@ const EDGE: f64 = 1e-6;
 
 /// Makes powers of windows of one length; allocates nothing after its first.
 pub struct Detector {
-    filter: Vec<Complex32>,
+    /// Of the pulses in turn.
+    filters: Vec<Vec<Complex32>>,
     forward: Arc<dyn Fft<f32>>,
     inverse: Arc<dyn Fft<f32>>,
     bins: Vec<Complex32>,
@@ -65,14 +66,14 @@ impl Detector {
     /// A replica, a rate, a band or a window that is none.
     pub fn new(pulse: PulseShape, samples: usize, cell_s: f64, mean: bool) -> Result<Self, CompressError> {
         let compressor = Compressor::new(pulse, samples, RangeFilter::Matched, Taper::Taylor, OVERSAMPLING)?;
-        let filter = compressor.filter().iter().map(|z| Complex32::new(z.re as f32, z.im as f32)).collect();
-        let filter: Vec<Complex32> = filter;
-        let (len, fine) = (filter.len(), filter.len() * OVERSAMPLING);
+        let narrow = |z: &Complex64| Complex32::new(z.re as f32, z.im as f32);
+        let filters = compressor.filters().iter().map(|filter| filter.iter().map(narrow).collect()).collect();
+        let (len, fine) = (compressor.len(), compressor.len() * OVERSAMPLING);
         let (forward, inverse) = (nereus_fft::forward::<f32>(len), nereus_fft::inverse::<f32>(fine));
         let scratch = forward.get_inplace_scratch_len().max(inverse.get_inplace_scratch_len());
         let length_s = (samples - 1) as f64 / pulse.sample_rate_hz;
         Ok(Self {
-            filter,
+            filters,
             forward,
             inverse,
             bins: vec![Complex32::ZERO; len],
@@ -93,15 +94,15 @@ impl Detector {
         self.cells
     }
 
-    /// Puts the powers of the cells of a window that opens so long after the emission, s, in place of those
-    /// in `powers_w`; the number of the first.
+    /// Puts the powers of the cells of the window of a pulse, by its number, that opens so long after the
+    /// emission, s, in place of those in `powers_w`; the number of the first.
     pub fn detect(
         &mut self,
         window: impl Iterator<Item = Complex32>,
-        start_s: f64,
+        (number, start_s): (u64, f64),
         powers_w: &mut Vec<f32>,
     ) -> u32 {
-        self.compress(window);
+        self.compress(window, number);
         let first = (start_s / self.cell_s - 1e-9).ceil();
         let skipped = (-first).max(0.0) as usize;
         let (first, cells) = (first.max(0.0), self.cells.saturating_sub(skipped));
@@ -129,11 +130,13 @@ impl Detector {
     }
 
     /// Leaves the compressed window in `fine`.
-    fn compress(&mut self, window: impl Iterator<Item = Complex32>) {
+    fn compress(&mut self, window: impl Iterator<Item = Complex32>, number: u64) {
         self.bins.fill(Complex32::ZERO);
         self.bins.iter_mut().zip(window.take(self.samples)).for_each(|(bin, sample)| *bin = sample);
         self.forward.process_with_scratch(&mut self.bins, &mut self.scratch);
-        self.bins.iter_mut().zip(&self.filter).for_each(|(bin, weight)| *bin *= weight);
+        let turn = number.checked_rem(self.filters.len() as u64).unwrap_or(0);
+        let filter = self.filters.get(turn as usize).map_or(&[][..], Vec::as_slice);
+        self.bins.iter_mut().zip(filter).for_each(|(bin, weight)| *bin *= weight);
         let half = self.bins.len() / 2;
         let upper = self.fine.len() - half;
         self.fine.fill(Complex32::ZERO);
@@ -158,7 +161,7 @@ mod tests {
     }
 
     fn shape(replica: &[Complex32]) -> PulseShape<'_> {
-        PulseShape { replica, sample_rate_hz: RATE_HZ, bandwidth_hz: 20e6, pulse_s: 1e-6 }
+        PulseShape { replica, turns: 1, sample_rate_hz: RATE_HZ, bandwidth_hz: 20e6, pulse_s: 1e-6 }
     }
 
     /// An echo of 0.01 at sample 100, one of 1 at sample 300.
@@ -178,7 +181,7 @@ mod tests {
         let pulse = shape(&replica);
         let compressor =
             Compressor::new(pulse, 400, RangeFilter::Matched, Taper::Taylor, OVERSAMPLING).unwrap();
-        let wanted = compressor.compress(&window, 0.0);
+        let wanted = compressor.compress(&window, 0, 0.0);
         let mut detector = Detector::new(pulse, 400, 1.0 / RATE_HZ, false).unwrap();
         detector.compress(window.iter().copied());
         let worst = wanted.iter().zip(&detector.fine).map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
@@ -196,8 +199,8 @@ mod tests {
             for start in [0.0, 37.0, 37.3, 1e4] {
                 let start_s = start / RATE_HZ;
                 let (mut powers, mut mean) = (Vec::new(), Vec::new());
-                let first = peaks.detect(window.iter().copied(), start_s, &mut powers);
-                assert_eq!(means.detect(window.iter().copied(), start_s, &mut mean), first);
+                let first = peaks.detect(window.iter().copied(), (0, start_s), &mut powers);
+                assert_eq!(means.detect(window.iter().copied(), (0, start_s), &mut mean), first);
                 assert_eq!((powers.len(), mean.len()), (peaks.cells(), peaks.cells()));
                 assert!((f64::from(first) - start / samples_a_cell).rem_euclid(1.0) < 1.0);
                 let cell =
@@ -215,7 +218,7 @@ mod tests {
         let replica = sweep();
         let mut detector = Detector::new(shape(&replica), 400, 1.0 / RATE_HZ, false).unwrap();
         let mut powers = Vec::new();
-        assert_eq!(detector.detect(window().into_iter(), -10.0 / RATE_HZ, &mut powers), 0);
+        assert_eq!(detector.detect(window().into_iter(), (0, -10.0 / RATE_HZ), &mut powers), 0);
         assert_eq!(powers.len(), 399 - 10);
         let peak = (0..389).max_by(|a, b| powers[*a].total_cmp(&powers[*b])).unwrap();
         assert_eq!(peak, 290);

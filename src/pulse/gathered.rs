@@ -8,6 +8,8 @@ use crate::time::TimeTag;
 /// The pulses of a run without converter.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
+    /// Numbers of the pulses.
+    pub numbers: Vec<u64>,
     /// Emission of each pulse, s after that of the first.
     pub emission_s: Vec<f64>,
     /// First sample after the emission, s: one for all receivers, or one for each.
@@ -25,6 +27,7 @@ impl Gathered {
     /// Keeps the next pulse.
     pub fn push(&mut self, pulse: &Pulse) {
         let begin = *self.first.get_or_insert(pulse.time);
+        self.numbers.push(pulse.index);
         self.emission_s.push(pulse.time.since(begin));
         self.window_starts_s.push(pulse.window_starts_s().to_vec());
         self.tx_pol.push(pulse.tx_pol);

@@ -18,6 +18,7 @@
 //! | [`Nlfm`] | nonlinear sweep, by a taper of its power spectrum | `4 <= B Tc <= 2e4` |
 //! | [`Coded`] | chips of equal length: phase codes, or one chip: a plain pulse | 65536 chips |
 //! | [`Sampled`] | samples from a file, band-limited to their rate | 131072 samples |
+//! | [`InTurn`] | several of these, emission by emission | |
 //! | [`Stream`] | a continuous signal, a segment with every emission: [`Noise`], [`Television`], [`Broadcast`], [`CoarseCode`], [`Recording`] | 64 to 1048576 samples a segment |
 //!
 //! ```
@@ -37,6 +38,7 @@ mod fm;
 mod fresnel;
 mod gps_ca;
 mod gridded;
+mod in_turn;
 mod iq_fault;
 mod iq_file;
 mod lfm;
@@ -68,12 +70,13 @@ pub use drooping::Drooping;
 pub use dvb_t::Television;
 pub use fm::Broadcast;
 pub use gps_ca::CoarseCode;
+pub use in_turn::InTurn;
 pub use iq_fault::{IqFault, IqFaults};
 pub use iq_file::Recording;
 pub use lfm::Lfm;
 pub use nlfm::{MAX_NONLINEAR, MIN_NONLINEAR, Nlfm, SIDELOBES_DB};
 pub use noise::Noise;
-pub(crate) use offset::Offset;
+pub(crate) use offset::offset;
 pub use sampled::{MAX_SAMPLES, Sampled};
 pub use stream::{SEGMENT_SAMPLES, Signal, Stream};
 pub use triangular::Triangular;
@@ -113,12 +116,22 @@ pub trait Waveform: Send + Sync {
         by_differences(self, f_hz)
     }
 
-    /// What an emission radiates where no two are alike; `None` where all are this pulse.
+    /// What an emission radiates; `None` where all are this pulse.
     ///
     /// # Errors
     /// A file that can no longer be read.
     fn of_emission(&self, _emission: u64) -> Result<Option<Arc<dyn Waveform>>, WaveformError> {
         Ok(None)
+    }
+
+    /// The pulses that emissions radiate in turn; none where all are this pulse, and where no two are alike.
+    fn in_turn(&self) -> &[Arc<dyn Waveform>] {
+        &[]
+    }
+
+    /// Whether all emissions are this pulse.
+    fn is_one(&self) -> bool {
+        self.in_turn().is_empty() && !self.is_stream()
     }
 
     /// Mean power of the first so many emissions over the greatest that one has; 1 where all are alike.
@@ -134,7 +147,7 @@ pub trait Waveform: Send + Sync {
         Ok(self.of_emission(emissions.start)?.into_iter().collect())
     }
 
-    /// Whether no two emissions are alike ([`Self::of_emission`]).
+    /// Whether it is a continuous signal, of which no two segments are alike ([`Self::of_emission`]).
     fn is_stream(&self) -> bool {
         false
     }
@@ -153,6 +166,21 @@ pub trait Waveform: Send + Sync {
     fn span_samples(&self, sample_rate_hz: f64) -> usize {
         ((self.duration_s() * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as usize).max(1)
     }
+}
+
+/// Pulses in turn whose errors are predicted, at most.
+const LOOKED_AT: usize = 8;
+
+/// What errors are predicted of: the waveform, or some of its pulses in turn, the first and the last among
+/// them.
+pub(crate) fn looked_at(waveform: &dyn Waveform) -> Vec<&dyn Waveform> {
+    let pulses = waveform.in_turn();
+    if pulses.is_empty() {
+        return vec![waveform];
+    }
+    let count = pulses.len().min(LOOKED_AT);
+    let place = |n: usize| n * (pulses.len() - 1) / (count - 1).max(1);
+    (0..count).filter_map(|n| pulses.get(place(n)).map(AsRef::as_ref)).collect()
 }
 
 /// [`Waveform::moment_spectrum`] by 8-point central differences of the spectrum, step `1/(16 Tc)`.
@@ -186,6 +214,14 @@ pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn 
         }
         scene::radar::Waveform::Drooping { of, droop_db } => {
             Arc::new(Drooping::new(from_description(of)?, *droop_db))
+        }
+        scene::radar::Waveform::Offset { of, offset_hz } => offset(from_description(of)?, *offset_hz),
+        scene::radar::Waveform::InTurn { of, .. } => {
+            let pulses = of.iter().map(from_description).collect::<Result<Vec<_>, _>>()?;
+            let known = description.bandwidth_hz();
+            let widest = || pulses.iter().map(|pulse| pulse.bandwidth_hz()).fold(0.0, f64::max);
+            let bandwidth_hz = known.unwrap_or_else(widest);
+            Arc::new(InTurn::new(pulses, bandwidth_hz))
         }
         scene::radar::Waveform::Cw { duration_s } => Arc::new(Coded::plain(*duration_s)?),
         scene::radar::Waveform::PhaseCode { code, chip_s } => Arc::new(Coded::new(*code, *chip_s)?),

@@ -4,6 +4,9 @@ use crate::scene::Radar;
 
 /// Samples at both ends of the window whose scatterer paths still reach into it through the receive filter.
 pub const GUARD_SAMPLES: usize = 32;
+/// The same of a pulse that is made by itself, whatever windows receive of it: what is cut off there lies 100
+/// dB and more below it.
+pub(crate) const RINGING_OF_PULSES: usize = 256;
 /// Rounding of a delay, s.
 const ROUNDING_S: f64 = 1e-12;
 

@@ -181,6 +181,17 @@ impl Header {
         if self.layout.windows > 0 { WINDOWS_VERSION } else { FORMAT_VERSION }
     }
 
+    /// Pulses that leave in turn, which [`Self::replica`] holds one after the other, each as long as the
+    /// longest; 1 where all are alike.
+    pub fn turns(&self) -> usize {
+        let kind = self.instrument.as_ref().map(|instrument| instrument.waveform.kind.as_str());
+        if !matches!(kind, Some("in-turn" | "stepped")) {
+            return 1;
+        }
+        let samples = self.pulse_s * self.sample_rate_hz * (1.0 - 4.0 * f64::EPSILON);
+        (self.replica.len() / (samples.ceil() as usize).max(1)).max(1)
+    }
+
     /// The receiver of a channel, by its place.
     pub fn receiver_of(&self, channel: usize) -> Option<usize> {
         let row = self.channels.get(channel)?;

@@ -105,6 +105,13 @@ impl Radar {
         self.sent.as_ref().unwrap_or(&self.emissions)
     }
 
+    /// Pulses after which polarisations and waveforms repeat.
+    pub fn cycle(&self) -> u64 {
+        let (ports, turns) = (self.tx_polarisation.cycle(), self.waveform.turns() as u64);
+        let common = (1..=ports).rev().find(|n| ports.is_multiple_of(*n) && turns.is_multiple_of(*n));
+        ports * turns / common.unwrap_or(1)
+    }
+
     /// The transmitter-receiver pairs that the channels need, in order of first use. A scatterer path has one
     /// delay per pair.
     pub fn pairs(&self) -> Vec<Pair> {

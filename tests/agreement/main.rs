@@ -18,6 +18,7 @@ mod far_sea;
 mod front_end;
 mod hidden;
 mod horizon;
+mod in_turn;
 mod known_errors;
 mod land;
 mod low_grazing;

@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::random_ends::{antennas, emitters, more_ends};
 use super::random_turns::turning;
-use super::random_waveforms::{continuous, dechirp, waveform};
+use super::random_waveforms::{continuous, dechirp, in_turn, waveform};
 
 pub(super) const LIGHT_MPS: f64 = 299_792_458.0;
 /// Keeps draws of slow time apart from those of the rest.
@@ -30,6 +30,7 @@ const EMITTERS: u64 = 0x0E17;
 const WAVEFORMS: u64 = 0x3A7E;
 /// And those of continuous signals.
 const STREAMS: u64 = 0x57EA;
+const IN_TURN: u64 = 0x1274;
 /// And those of errors between blocks and exact pulses.
 const FINE: u64 = 0xF1E;
 /// The same of coarse errors, and of narrow beams.
@@ -244,6 +245,8 @@ pub fn random_scene(seed: u64) -> RandomScene {
     more_ends(&mut Draw(ChaCha8Rng::seed_from_u64(seed ^ ENDS)), (&geometry, &signal), &mut text);
     let mut beside = Draw(ChaCha8Rng::seed_from_u64(seed ^ EMITTERS));
     emitters([&mut beside, &mut kinds, &mut streams], (&geometry, &signal), &mut text);
+    let mut turns = Draw(ChaCha8Rng::seed_from_u64(seed ^ IN_TURN));
+    let text = in_turn(&mut turns, (&geometry, &signal), &text).unwrap_or(text);
     let mut text = continuous(&mut streams, (&geometry, &signal), &text).unwrap_or(text);
     line!(text, "[fidelity]\necho = \"fast\"\nerror_db = {asked_db:?}");
     line!(text, "[stream]\npace = \"fast\"\nthreads = 1");

@@ -138,3 +138,46 @@ pub(super) fn continuous(
     }
     Some(out.join("\n") + "\n")
 }
+
+/// Now and then several pulses in turn in place of the radar's one, where windows receive no other emission:
+/// its own, of these the other sweep, shorter ones, at other frequencies; the variable `NEREUS_IN_TURN` makes
+/// it so wherever it can be.
+pub(super) fn in_turn(
+    draw: &mut Draw,
+    (geometry, signal): (&Geometry, &Signal),
+    text: &str,
+) -> Option<String> {
+    let wanted = draw.chance(0.12) || variable("NEREUS_IN_TURN", 0) > 0;
+    let window_s = signal.samples as f64 / signal.rate_hz;
+    let latest_s = geometry.delays_s()[1].max(signal.opens_s) + window_s + signal.pulse_s;
+    if !wanted || text.contains("[radar.dechirp]") || latest_s > 0.4 / geometry.prf_hz {
+        return None;
+    }
+    let (before, after) = text.split_once("[radar.waveform]\n")?;
+    let (keys, after) = after.split_once("\n[")?;
+    let own = keys.trim().replace('\n', ", ");
+    let free_hz = 0.45 * (signal.rate_hz - signal.bandwidth_hz);
+    let other = |draw: &mut Draw| match draw.one(&["sweep", "sweep", "short", "offset", "own"]) {
+        "sweep" if own.contains("\"up\"") => own.replace("\"up\"", "\"down\""),
+        "sweep" if own.contains("\"down\"") => own.replace("\"down\"", "\"up\""),
+        "offset" if free_hz > 0.0 && !own.contains("phase-code") && !own.contains("\"cw\"") => {
+            format!("{own}, offset_hz = {:?}", free_hz * draw.between(-1.0, 1.0))
+        }
+        "own" => own.clone(),
+        _ => format!("kind = \"cw\", pulse_s = {:?}", signal.pulse_s * draw.log(0.1, 1.0)),
+    };
+    let mut pulses = vec![own.clone()];
+    pulses.extend((0..draw.one(&[1, 1, 2, 4])).map(|_| other(draw)));
+    let keys = match draw.chance(0.25) && free_hz > 0.0 {
+        true => {
+            let steps = draw.one(&[2, 5, 16]);
+            let step_hz = 2.0 * free_hz / f64::from(steps) * draw.one(&[-1.0, 1.0]);
+            format!(
+                "kind = \"stepped\"\nsteps = {steps}\nstep_hz = {step_hz:?}\npulse_s = {:?}",
+                signal.pulse_s
+            )
+        }
+        false => format!("kind = \"in-turn\"\nwaveforms = [{{ {} }}]", pulses.join(" }, { ")),
+    };
+    Some(format!("{before}[radar.waveform]\n{keys}\n[{after}"))
+}

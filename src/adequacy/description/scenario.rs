@@ -123,6 +123,9 @@ fn dechirp_text(radar: &Radar, delay_s: f64, bandwidth_hz: f64) -> String {
     )
 }
 
+/// Pulses in turn that are described one by one.
+const MOST_SHOWN: usize = 4;
+
 fn waveform_text(waveform: &Waveform) -> String {
     match waveform {
         Waveform::Lfm { bandwidth_hz, duration_s, sweep } => format!(
@@ -149,6 +152,28 @@ fn waveform_text(waveform: &Waveform) -> String {
         ),
         Waveform::Drooping { of, droop_db } => {
             format!("{}, falling by {} dB from its begin to its end", waveform_text(of), neat(*droop_db))
+        }
+        Waveform::Offset { of, offset_hz } => {
+            let sign = if *offset_hz < 0.0 { '-' } else { '+' };
+            format!("{} at {sign}{} MHz", waveform_text(of), neat(offset_hz.abs() / 1e6))
+        }
+        Waveform::InTurn { of, stepped: true } => {
+            let at_hz = |pulse: Option<&Waveform>| match pulse {
+                Some(Waveform::Offset { offset_hz, .. }) => *offset_hz,
+                _ => 0.0,
+            };
+            let pulse = match of.first() {
+                Some(Waveform::Offset { of, .. }) => waveform_text(of),
+                _ => String::new(),
+            };
+            let step_hz = at_hz(of.get(1)) - at_hz(of.first());
+            format!("{} steps of {} MHz in turn, each a {pulse}", of.len(), neat(step_hz / 1e6))
+        }
+        Waveform::InTurn { of, .. } => {
+            let first: Vec<String> = of.iter().take(MOST_SHOWN).map(waveform_text).collect();
+            let more = of.len().saturating_sub(MOST_SHOWN);
+            let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+            format!("{} in turn: {}{more}", of.len(), first.join("; "))
         }
         Waveform::Cw { duration_s } => format!("plain pulse of {} us", neat(duration_s * 1e6)),
         Waveform::PhaseCode { code, chip_s } => {

@@ -27,15 +27,15 @@ tables! {
         CALIBRATION "calibration", Sections(&calibration::TABLE), Means("none"), "Channels with signals known in closed form, behind all others.";
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
     }
-    waveform "[radar.waveform] and [emitter.waveform]" "What is radiated, at unit amplitude." {
-        KIND "kind", Choice(words::<WaveformKind>), Required, "Linear or nonlinear frequency modulation, a plain pulse of the carrier, a phase code, samples of a pulse from a file (docs/waveforms.md), or a continuous signal: noise, television, FM broadcast, a GPS code, a recording, of which every emission radiates the next segment (docs/continuous.md).";
-        BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm, nlfm: swept bandwidth; noise: bandwidth, between points of a quarter of the power density; dvb-t: the channel, 6e6, 7e6 or 8e6.";
-        PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm, nlfm, cw: pulse length.";
+    waveform "[radar.waveform], [emitter.waveform] and their waveforms" "What is radiated, at unit amplitude." {
+        KIND "kind", Choice(words::<WaveformKind>), Required, "Linear or nonlinear frequency modulation, a plain pulse of the carrier, a phase code, samples of a pulse from a file, steps of frequency or other pulses in turn (docs/waveforms.md), or a continuous signal: noise, television, FM broadcast, a GPS code, a recording, of which every emission radiates the next segment (docs/continuous.md).";
+        BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm, nlfm: swept bandwidth; stepped: swept within each step, a plain pulse without it; noise: bandwidth, between points of a quarter of the power density; dvb-t: the channel, 6e6, 7e6 or 8e6.";
+        PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm, nlfm, cw, stepped: pulse length.";
         SWEEP "sweep", Choice(words::<SweepKind>), Word("up"), "lfm, nlfm: direction of the sweep; lfm alone: triangular, up in the first half of the pulse and down in the second.";
         TAPER "taper", Choice(words::<TaperKind>), Word("taylor"), "nlfm: what the power spectrum is over the band; pulse_s times bandwidth_hz is 4 to 20000.";
         SIDELOBE_DB "sidelobe_db", number("dB", 20.0, 60.0), default(35.0), "nlfm with taper = \"taylor\": side lobes below the peak of the compressed pulse.";
         CODE "code", Choice(words::<CodeKind>), Required, "phase-code: the code.";
-        CHIPS "chips", count(2, 65536), Required, "phase-code, all but m-sequence: chips; of Barker 2, 3, 4, 5, 7, 11 or 13, of Frank a square.";
+        CHIPS "chips", count(2, 65536), Required, "phase-code, all but m-sequence: chips; of Barker 2, 3, 4, 5, 7, 11 or 13, of Frank a square, of Golay a power of two.";
         REGISTER "register", count(2, 16), Required, "phase-code with code = \"m-sequence\": stages n of the shift register, for 2^n - 1 chips.";
         CHIP_S "chip_s", above("s", 0.0, 1.0), Required, "phase-code: length of a chip; one over it is the bandwidth, at most the sample rate. The pulse lasts for all chips.";
         CARRIERS "carriers", Choice(words::<DvbTMode>), Word("8k"), "dvb-t: 1705 or 6817 carriers.";
@@ -48,6 +48,10 @@ tables! {
         RATE_HZ "rate_hz", number("Hz", 1e3, 1e11), Required, "file, iq-file: sample rate of the file; not of a SigMF recording, whose metadata have it.";
         DATATYPE "datatype", Choice(words::<Datatype>), Means("by the ending of the file"), "iq-file: type of the samples, as SigMF names it; not of a SigMF recording. Endings that are known: cf32, fc32, c64, cfile, cf64, fc64, c128, cs16, sc16, ci16, cs8, sc8, cu8.";
         AFTER "after", Choice(words::<AfterEnd>), Word("repeat"), "iq-file: what follows the last sample.";
+        STEPS "steps", count(2, MOST_TURNS), Required, "stepped: pulses, each of its own frequency, in turn.";
+        STEP_HZ "step_hz", number("Hz", -1e10, 1e10), Required, "stepped: from the frequency of a pulse to that of the next one, negative if it falls; their middle is carrier_hz. Not 0.";
+        WAVEFORMS "waveforms", Sections(&TABLE), Required, "in-turn: 2 to 1024 pulses; emission k radiates number k modulo how many they are.";
+        OFFSET_HZ "offset_hz", number("Hz", -5e10, 5e10), default(0.0), "Of a pulse among waveforms: its carrier less that of the radar or emitter.";
         DROOP_DB "droop_db", number("dB", 0.0, 60.0), default(0.0), "How far the amplitude falls, linearly, from the begin of the pulse to its end. Pulses alone, without dechirp.";
     }
     dechirp "[radar.dechirp]" "What is received is multiplied by the conjugate of the waveform, filtered and sampled: an echo becomes a tone (docs/fmcw.md). Needs waveform.kind = \"lfm\", whose bandwidth may then exceed the sample rate." {

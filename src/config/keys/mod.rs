@@ -175,6 +175,8 @@ const FAR_M: f64 = 1e8;
 const FAST_MPS: f64 = 2e4;
 /// Most pulse repetition intervals in a sequence.
 const MOST_PRI: usize = 65_536;
+/// Most pulses of a waveform that leave in turn.
+pub(super) const MOST_TURNS: u64 = 1024;
 /// Most targets of a scene.
 pub(super) const MOST_TARGETS: u64 = 100_000;
 /// Most targets that float: the waves under each take some MiB.

@@ -57,12 +57,12 @@ fn emitter(
     let (direct_path, echo) = (section.flag(&k::DIRECT_PATH), section.flag(&k::ECHO));
     let bands = (carrier_hz.zip(of_radar_hz), waveform.as_ref().zip(sample_rate_hz));
     if let (Some((own_hz, radar_hz)), Some((waveform, sample_rate_hz))) = bands {
-        let bandwidth_hz = match waveform.level() {
-            Waveform::Samples { rate_hz, .. } => *rate_hz,
+        let reaches_hz = match waveform.level() {
+            Waveform::Samples { rate_hz, .. } => 0.5 * rate_hz,
             // Of what a file has it is not known yet.
-            other => other.bandwidth_hz().unwrap_or(f64::INFINITY),
+            other => other.band_hz().map_or(f64::INFINITY, |[from_hz, to_hz]| to_hz.max(-from_hz)),
         };
-        let (begins_hz, half_hz) = ((own_hz - radar_hz).abs() - 0.5 * bandwidth_hz, 0.5 * sample_rate_hz);
+        let (begins_hz, half_hz) = ((own_hz - radar_hz).abs() - reaches_hz, 0.5 * sample_rate_hz);
         if begins_hz >= half_hz {
             section.fault(&k::CARRIER_HZ, Problem::OutOfBand { begins_hz, half_hz });
         }

@@ -1,5 +1,7 @@
 //! Trains of pulses and waveforms, of the radar and of emitters.
 
+mod in_turn;
+
 use std::path::Path;
 
 use crate::config::choices::{Choice, CodeKind, SweepKind, TaperKind, WaveformKind};
@@ -40,6 +42,16 @@ pub(super) fn emissions(section: &Section<'_>, keys: [&'static Key; 2]) -> Optio
 pub(super) fn waveform(
     section: Section<'_>,
     sample_rate_hz: Option<f64>,
+    of: (Option<&PulseTimes>, u64),
+) -> Option<Waveform> {
+    let found = described(&section, sample_rate_hz, of);
+    section.finish();
+    found
+}
+
+fn described(
+    section: &Section<'_>,
+    sample_rate_hz: Option<f64>,
     (train, number): (Option<&PulseTimes>, u64),
 ) -> Option<Waveform> {
     use crate::config::keys::waveform::{
@@ -62,7 +74,7 @@ pub(super) fn waveform(
             None => Waveform::Triangular { bandwidth_hz, duration_s },
         }),
         Some(WaveformKind::Nlfm) => {
-            let (swept, taper) = (swept(), taper(&section));
+            let (swept, taper) = (swept(), taper(section));
             let product = swept.map(|(bandwidth_hz, duration_s, _)| bandwidth_hz * duration_s);
             let [least, most] = PRODUCTS;
             if let Some(product) = product.filter(|product| !(least..=most).contains(product)) {
@@ -82,7 +94,7 @@ pub(super) fn waveform(
         }
         Some(WaveformKind::Cw) => section.number(&PULSE_S).map(|duration_s| Waveform::Cw { duration_s }),
         Some(WaveformKind::PhaseCode) => {
-            let (code, chip_s) = (code(&section), section.number(&CHIP_S));
+            let (code, chip_s) = (code(section), section.number(&CHIP_S));
             if let Some(hz) = chip_s.map(f64::recip) {
                 // A chip of one sample must pass although its reciprocal is rounded.
                 let fits = sample_rate_hz.is_none_or(|rate_hz| hz * (1.0 - 4.0 * f64::EPSILON) <= rate_hz);
@@ -97,34 +109,36 @@ pub(super) fn waveform(
             path.zip(rate_hz).map(|(path, rate_hz)| Waveform::Samples { path, rate_hz })
         }
         Some(WaveformKind::Noise) => {
-            let (bandwidth_hz, seed) = (section.number(&BANDWIDTH_HZ), seed(&section, number));
+            let (bandwidth_hz, seed) = (section.number(&BANDWIDTH_HZ), seed(section, number));
             bandwidth_hz.into_iter().for_each(|bandwidth_hz| too_wide(&BANDWIDTH_HZ, bandwidth_hz));
             let source = bandwidth_hz.zip(seed).map(|(hz, seed)| Source::Noise { bandwidth_hz: hz, seed });
-            source.and_then(|source| stream(&section, source, train))
+            source.and_then(|source| stream(section, source, train))
         }
         Some(WaveformKind::DvbT) => {
-            let (of, seed) = (television(&section), seed(&section, number));
+            let (of, seed) = (television(section), seed(section, number));
             of.iter().for_each(|of| too_wide(&BANDWIDTH_HZ, of.occupied_hz()));
             let source = of.zip(seed).map(|(of, seed)| Source::DvbT { of, seed });
-            source.and_then(|source| stream(&section, source, train))
+            source.and_then(|source| stream(section, source, train))
         }
         Some(WaveformKind::Fm) => {
-            let (deviation_hz, seed) = (section.number(&DEVIATION_HZ), seed(&section, number));
+            let (deviation_hz, seed) = (section.number(&DEVIATION_HZ), seed(section, number));
             let of = deviation_hz.map(|deviation_hz| Fm { deviation_hz });
             of.iter().for_each(|of| too_wide(&DEVIATION_HZ, of.occupied_hz()));
             let source = of.zip(seed).map(|(of, seed)| Source::Fm { of, seed });
-            source.and_then(|source| stream(&section, source, train))
+            source.and_then(|source| stream(section, source, train))
         }
         Some(WaveformKind::GpsCa) => {
             let prn = section.count(&PRN).and_then(|prn| u8::try_from(prn).ok());
             too_wide(&KIND, CA_CHIPS_HZ);
-            let source = prn.zip(seed(&section, number)).map(|(prn, seed)| Source::GpsCa { prn, seed });
-            source.and_then(|source| stream(&section, source, train))
+            let source = prn.zip(seed(section, number)).map(|(prn, seed)| Source::GpsCa { prn, seed });
+            source.and_then(|source| stream(section, source, train))
         }
         Some(WaveformKind::IqFile) => {
-            let source = recording(&section).map(Source::IqFile);
-            source.and_then(|source| stream(&section, source, train))
+            let source = recording(section).map(Source::IqFile);
+            source.and_then(|source| stream(section, source, train))
         }
+        Some(WaveformKind::Stepped) => in_turn::stepped(section, sample_rate_hz),
+        Some(WaveformKind::InTurn) => in_turn::pulses(section, (sample_rate_hz, number)),
         None => None,
     };
     let droop_db = section.number(&DROOP_DB);
@@ -134,9 +148,28 @@ pub(super) fn waveform(
         let allowed = "droop_db = 0, or a waveform of pulses".to_owned();
         section.fault(&DROOP_DB, Problem::Type { found, allowed });
     }
-    section.finish();
+    let each = droops && matches!(&waveform, Some(Waveform::InTurn { stepped: false, .. }));
+    if each {
+        let found = "droop of kind = \"in-turn\"".to_owned();
+        section
+            .fault(&DROOP_DB, Problem::Type { found, allowed: "droop_db of each of waveforms".to_owned() });
+    }
     let (waveform, droop_db) = (waveform?, droop_db?);
-    Some(if droops { Waveform::Drooping { of: Box::new(waveform), droop_db } } else { waveform })
+    Some(if droops && !each { drooping(waveform, droop_db) } else { waveform })
+}
+
+/// Of steps of frequency, each of them.
+fn drooping(of: Waveform, droop_db: f64) -> Waveform {
+    match of {
+        Waveform::InTurn { of, stepped } => {
+            let of = of.into_iter().map(|pulse| drooping(pulse, droop_db)).collect();
+            Waveform::InTurn { of, stepped }
+        }
+        Waveform::Offset { of, offset_hz } => {
+            Waveform::Offset { of: Box::new(drooping(*of, droop_db)), offset_hz }
+        }
+        of => Waveform::Drooping { of: Box::new(of), droop_db },
+    }
 }
 
 /// What a random signal is drawn by: its place, unless it is given.
@@ -273,6 +306,8 @@ fn code(section: &Section<'_>) -> Option<Code> {
             refused("the square of a whole number from 2 to 256")
         }
         CodeKind::Frank => Some(Code::Frank { phases: chips.isqrt() }),
+        CodeKind::GolayA | CodeKind::GolayB if !chips.is_power_of_two() => refused("a power of two"),
+        CodeKind::GolayA | CodeKind::GolayB => Some(Code::Golay { chips, second: kind == CodeKind::GolayB }),
         CodeKind::P3 => Some(Code::P3 { chips }),
         CodeKind::P4 => Some(Code::P4 { chips }),
         // Told by its register.

@@ -71,12 +71,33 @@ fn every_kind_is_what_it_says() {
         ("code = 'p3', chips = 21", Code::P3 { chips: 21 }),
         ("code = 'p4', chips = 22", Code::P4 { chips: 22 }),
         ("code = 'm-sequence', register = 5", Code::MSequence { register: 5 }),
+        ("code = 'golay-a', chips = 8", Code::Golay { chips: 8, second: false }),
+        ("code = 'golay-b', chips = 2", Code::Golay { chips: 2, second: true }),
     ] {
         // A chip of one sample is not wider than the rate.
         let found = of(&format!("{{ kind = 'phase-code', {keys}, chip_s = 1e-8 }}"));
         assert_eq!(found, Waveform::PhaseCode { code, chip_s: 1e-8 });
         crate::radar::waveform::from_description(&found).unwrap();
     }
+}
+
+#[test]
+fn pulses_leave_in_turn() {
+    let cw = |duration_s: f64| Waveform::Cw { duration_s };
+    let at = |of: Waveform, offset_hz: f64| Waveform::Offset { of: Box::new(of), offset_hz };
+    let steps = of("{ kind = 'stepped', steps = 3, step_hz = -2e6, pulse_s = 1e-6 }");
+    let wanted = [2e6, 0.0, -2e6].map(|hz| at(cw(1e-6), hz)).to_vec();
+    assert_eq!(steps, Waveform::InTurn { of: wanted, stepped: true });
+    assert_eq!((steps.kind(), steps.bandwidth_hz(), steps.duration_s()), ("stepped", Some(5e6), Some(1e-6)));
+    let two = of("{ kind = 'in-turn', waveforms = [{ kind = 'cw', pulse_s = 1e-6 }, \
+                  { kind = 'cw', pulse_s = 2e-6, offset_hz = 1e7, droop_db = 1.0 }] }");
+    let droops = Waveform::Drooping { of: Box::new(cw(2e-6)), droop_db: 1.0 };
+    assert_eq!(two, Waveform::InTurn { of: vec![cw(1e-6), at(droops, 1e7)], stepped: false });
+    assert_eq!((two.turns(), two.duration_s()), (2, Some(2e-6)));
+    insta::assert_snapshot!(faults("{ kind = 'in-turn', waveforms = [{ kind = 'cw', pulse_s = 1e-6 }], droop_db = 1.0 }"), @"");
+    insta::assert_snapshot!(faults("{ kind = 'in-turn', waveforms = [{ kind = 'noise', bandwidth_hz = 1e6 }, { kind = 'stepped', steps = 2, step_hz = 0, pulse_s = 1e-6 }, { kind = 'lfm', bandwidth_hz = 6e7, pulse_s = 1e-6, offset_hz = 3e7 }] }"), @"");
+    insta::assert_snapshot!(faults("{ kind = 'stepped', steps = 1, step_hz = 1e6, pulse_s = 1e-6, offset_hz = 1.0 }"), @"");
+    insta::assert_snapshot!(faults("{ kind = 'stepped', steps = 100, step_hz = 1e6, pulse_s = 1e-6 }"), @"");
 }
 
 /// What the reader allows is what there is.
@@ -94,7 +115,7 @@ fn limits_are_those_of_the_pulses() {
 #[test]
 fn faulty_waveforms_are_refused() {
     let coded = |keys: &str| faults(&format!("{{ kind = 'phase-code', {keys} }}"));
-    insta::assert_snapshot!(coded("chips = 5, chip_s = 1e-7"), @r#"radar.waveform.code: is missing; required: "barker", "frank", "p3", "p4", "m-sequence""#);
+    insta::assert_snapshot!(coded("chips = 5, chip_s = 1e-7"), @r#"radar.waveform.code: is missing; required: "barker", "frank", "p3", "p4", "m-sequence", "golay-a", "golay-b""#);
     insta::assert_snapshot!(coded("code = 'barker', chips = 6, chip_s = 1e-7"), @r#"radar.waveform.chips: 6 chips of code = "barker" is not allowed; allowed: 2, 3, 4, 5, 7, 11 or 13"#);
     insta::assert_snapshot!(coded("code = 'frank', chips = 15, chip_s = 1e-7"), @r#"radar.waveform.chips: 15 chips of code = "frank" is not allowed; allowed: the square of a whole number from 2 to 256"#);
     insta::assert_snapshot!(coded("code = 'p3', chips = 1, chip_s = 0"), @r#"

@@ -7,7 +7,7 @@
 
 use num_complex::Complex64;
 
-use super::block::{BlockPaths, Fill, Frame, Node};
+use super::block::{BlockPaths, Fill, Node};
 use super::{Grids, Scalar, Synth, SynthError, SynthScratch};
 use crate::paths::list::ScattererPaths;
 use crate::radar::waveform::Waveform;
@@ -37,43 +37,18 @@ impl<T: Scalar> Synth<T> {
         }
     }
 
-    /// The same of an emission that radiates something else.
-    ///
-    /// # Errors
-    /// As [`Self::pulse_in_bands`].
-    pub fn emission_in_bands(
-        &self,
-        waveform: &dyn Waveform,
-        paths: &ScattererPaths,
-        starts_s: &[f64],
-        band_hz: f64,
-        work: &mut Bands<T>,
-        out: &mut [Complex64],
-    ) -> Result<Fill, SynthError> {
-        self.in_bands(Some(waveform), paths, (starts_s, band_hz), work, out)
-    }
-
     /// `S[k]` of every channel of a pulse, as [`Synth::spectrum`], from its scatterer paths in bands
-    /// `band_hz` wide, in windows that start so long after the emission, s.
+    /// `band_hz` wide, in windows that start so long after the emission, s; where it radiates something of
+    /// its own, of that.
     ///
     /// # Errors
     /// A window that is not finite, or scatterer paths that lack pairs or channels.
     pub fn pulse_in_bands(
         &self,
+        own: Option<&dyn Waveform>,
         paths: &ScattererPaths,
         starts_s: &[f64],
         band_hz: f64,
-        work: &mut Bands<T>,
-        out: &mut [Complex64],
-    ) -> Result<Fill, SynthError> {
-        self.in_bands(None, paths, (starts_s, band_hz), work, out)
-    }
-
-    fn in_bands(
-        &self,
-        waveform: Option<&dyn Waveform>,
-        paths: &ScattererPaths,
-        (starts_s, band_hz): (&[f64], f64),
         work: &mut Bands<T>,
         out: &mut [Complex64],
     ) -> Result<Fill, SynthError> {
@@ -106,14 +81,7 @@ impl<T: Scalar> Synth<T> {
                     }
                 }
                 let (node, windows_s) = ([Node { pulse: 0, paths: part }], starts_s.as_chunks::<1>().0);
-                match waveform {
-                    None => self.fill_in(&node, windows_s, block)?,
-                    Some(waveform) => {
-                        self.fill_without_replicas(&node, windows_s, block)?;
-                        let Frame { mean_hz, replicas, .. } = &mut block.frame;
-                        self.replicas_of(waveform, mean_hz, replicas);
-                    }
-                }
+                self.fill_radiated(own, &node, windows_s, block)?;
                 let fill = block.found();
                 found.spread += fill.spread;
                 found.unplaced += fill.unplaced;

@@ -22,22 +22,18 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use super::doppler::{self, Correction};
 pub use super::frame::{Frame, Receives};
 use super::grid::{FAR_CELLS, Lined};
 use super::scalar::Scalar;
 use super::spread::{DelayPolynomials, Emitted, TICKS};
-use super::{Bin, Settings, Synth, SynthError};
+use super::{Synth, SynthError};
 use crate::echo::reference::of_window;
 use crate::paths::list::ScattererPaths;
-use crate::radar::waveform::Waveform;
 
 /// Most pulses of a block.
 pub const MAX_PULSES: usize = 1024;
 /// Pulses of a block for which there is room beforehand.
 const FEW_PULSES: usize = 64;
-/// Bins whose spectra are asked for together.
-const TOGETHER: usize = 64;
 /// Most nodes of a block.
 pub const MAX_NODES: usize = 4;
 /// Cells that a scatterer path may move within half a block.
@@ -540,46 +536,6 @@ impl<T: Scalar> Synth<T> {
             }
         }
         contributes
-    }
-
-    /// `P H / phihat` of every layer about its pair's mean Doppler, with the place of the grid's first cell.
-    fn fill_replicas(&self, frame: &mut Frame) {
-        self.replicas_of(self.waveform.as_ref(), &frame.mean_hz, &mut frame.replicas);
-    }
-
-    /// What takes grids to spectra where this is radiated, `[layer][bin]`, about these mean Dopplers of the
-    /// pairs, Hz.
-    pub fn replicas_of(&self, waveform: &dyn Waveform, mean_hz: &[f64], out: &mut Vec<Vec<Complex64>>) {
-        let correction = self.correction();
-        out.resize_with(self.layers.len(), Vec::new);
-        for (layer, replica) in self.layers.iter().zip(out) {
-            let mean_hz = mean_hz.get(layer.pair).copied().unwrap_or(0.0);
-            let at =
-                |bin: &Bin| doppler::stretched(self.settings.envelope, self.carrier_hz, bin.f_hz, mean_hz);
-            replica.clear();
-            replica.resize(self.bins.len(), Complex64::ZERO);
-            if layer.moment {
-                // Amplitudes are times the length of a pulse.
-                let of = |bin: &Bin| correction.moment(waveform, (bin.f_hz, at(bin).0), mean_hz);
-                let lasts_s = waveform.duration_s();
-                replica.iter_mut().zip(&self.bins).for_each(|(pulse, bin)| *pulse = of(bin) / lasts_s);
-            } else {
-                for (bins, pulse) in self.bins.chunks(TOGETHER).zip(replica.chunks_mut(TOGETHER)) {
-                    let mut f_hz = [0.0; TOGETHER];
-                    f_hz.iter_mut().zip(bins).for_each(|(f_hz, bin)| *f_hz = at(bin).0);
-                    waveform.spectra(&f_hz[..bins.len()], pulse);
-                }
-            }
-            for (pulse, bin) in replica.iter_mut().zip(&self.bins) {
-                *pulse = *pulse * bin.origin * (at(bin).1 * bin.gain);
-            }
-        }
-    }
-
-    /// What Doppler off the mean adds to phase and place.
-    pub(super) fn correction(&self) -> Correction {
-        let Settings { doppler, envelope, .. } = self.settings;
-        Correction::new(doppler, envelope, self.waveform.as_ref(), self.carrier_hz)
     }
 }
 

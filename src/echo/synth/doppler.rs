@@ -59,7 +59,7 @@ use num_complex::Complex64;
 
 use crate::radar::filter::{ReceiveFilter, bin_frequency_hz};
 use crate::radar::phasor::phasor;
-use crate::radar::waveform::Waveform;
+use crate::radar::waveform::{Waveform, looked_at};
 
 /// Bins that are looked at of a continuous signal.
 const SAMPLED_BINS: usize = 2048;
@@ -142,7 +142,10 @@ impl Correction {
     /// shifted, without `1/f0` of rigid envelopes.
     pub fn moment(&self, waveform: &dyn Waveform, (f_hz, at_hz): (f64, f64), mean_hz: f64) -> Complex64 {
         let shifted_s = self.sweep.map_or(0.0, |mu| (f_hz + self.about_hz(mean_hz)) / mu);
-        let known = waveform.spectrum(at_hz) * (self.middle_s - self.half_s + shifted_s);
+        // One of several pulses in turn may be shorter than what this was made for.
+        let half_s = 0.5 * waveform.duration_s();
+        let earlier_s = f_hz * self.stretch * (half_s - self.half_s);
+        let known = waveform.spectrum(at_hz) * (self.middle_s - half_s - earlier_s + shifted_s);
         let all = waveform.moment_spectrum(at_hz) * (1.0 + f_hz * self.stretch);
         Complex64::I * (-2.0 * PI) * (all - known)
     }
@@ -180,7 +183,7 @@ pub(super) fn stretched(envelope: Envelope, carrier_hz: f64, f_hz: f64, doppler_
 }
 
 /// `|error|^2 / |echo|^2` of an echo of delay rate `rate` whose envelope is left as it was, after the receive
-/// filter.
+/// filter; of pulses in turn, the largest.
 pub fn rigid_error_power(
     waveform: &dyn Waveform,
     carrier_hz: f64,
@@ -189,13 +192,16 @@ pub fn rigid_error_power(
     rate: f64,
 ) -> f64 {
     let step = step_of(waveform, fft_len);
-    relative_power(passed(sample_rate_hz, fft_len).step_by(step).map(|(f_hz, response)| {
-        let [exact, rigid] = [Envelope::Stretched, Envelope::Rigid].map(|envelope| {
-            let (at_hz, factor) = stretched(envelope, carrier_hz, f_hz, carrier_hz * rate);
-            waveform.spectrum(at_hz) * factor
-        });
-        (response, exact, rigid)
-    }))
+    let of = |pulse: &dyn Waveform| {
+        relative_power(passed(sample_rate_hz, fft_len).step_by(step).map(|(f_hz, response)| {
+            let [exact, rigid] = [Envelope::Stretched, Envelope::Rigid].map(|envelope| {
+                let (at_hz, factor) = stretched(envelope, carrier_hz, f_hz, carrier_hz * rate);
+                pulse.spectrum(at_hz) * factor
+            });
+            (response, exact, rigid)
+        }))
+    };
+    looked_at(waveform).into_iter().map(of).fold(0.0, f64::max)
 }
 
 /// Bins from one to the next that says enough: of the long transforms of a continuous signal, whose spectrum
@@ -250,7 +256,8 @@ pub struct MeanEcho<'a> {
     waveform: &'a dyn Waveform,
     carrier_hz: f64,
     mean_hz: f64,
-    bins: Vec<Bin>,
+    /// Of every pulse that is looked at.
+    bins: Vec<(&'a dyn Waveform, Vec<Bin>)>,
 }
 
 /// A bin of a transform that the receive filter passes.
@@ -275,17 +282,19 @@ impl<'a> MeanEcho<'a> {
         mean_hz: f64,
     ) -> Self {
         let correction = Correction::new(doppler, envelope, waveform, carrier_hz);
-        let of = |(f_hz, response): (f64, f64)| {
+        let of = |pulse: &dyn Waveform, (f_hz, response): (f64, f64)| {
             let (at_hz, factor) = stretched(envelope, carrier_hz, f_hz, mean_hz);
-            let spectrum = waveform.spectrum(at_hz) * factor;
+            let spectrum = pulse.spectrum(at_hz) * factor;
             let moment = match doppler.has_moments() {
-                true => correction.moment(waveform, (f_hz, at_hz), mean_hz),
+                true => correction.moment(pulse, (f_hz, at_hz), mean_hz),
                 false => Complex64::ZERO,
             };
             Bin { f_hz, response, factor, spectrum, moment }
         };
         let step = step_of(waveform, fft_len);
-        let bins = passed(sample_rate_hz, fft_len).step_by(step).map(of).collect();
+        let passed: Vec<(f64, f64)> = passed(sample_rate_hz, fft_len).step_by(step).collect();
+        let of_pulse = |pulse| (pulse, passed.iter().map(|bin| of(pulse, *bin)).collect());
+        let bins = looked_at(waveform).into_iter().map(of_pulse).collect();
         Self { doppler, envelope, waveform, carrier_hz, mean_hz, bins }
     }
 
@@ -294,11 +303,14 @@ impl<'a> MeanEcho<'a> {
         let Self { doppler, envelope, waveform, carrier_hz, mean_hz, .. } = *self;
         let correction = Correction::new(doppler, envelope, waveform, carrier_hz);
         let (turns, delay_s) = correction.of(mean_hz, residual_hz);
-        relative_power(self.bins.iter().map(|bin| {
-            let (at_hz, factor) = stretched(envelope, carrier_hz, bin.f_hz, mean_hz + residual_hz);
-            let exact = waveform.spectrum(at_hz) * factor;
-            let fast = bin.spectrum + bin.moment * (residual_hz * bin.factor);
-            (bin.response, exact, fast * phasor(turns - bin.f_hz * delay_s))
-        }))
+        let of = |(pulse, bins): &(&dyn Waveform, Vec<Bin>)| {
+            relative_power(bins.iter().map(|bin| {
+                let (at_hz, factor) = stretched(envelope, carrier_hz, bin.f_hz, mean_hz + residual_hz);
+                let exact = pulse.spectrum(at_hz) * factor;
+                let fast = bin.spectrum + bin.moment * (residual_hz * bin.factor);
+                (bin.response, exact, fast * phasor(turns - bin.f_hz * delay_s))
+            }))
+        };
+        self.bins.iter().map(of).fold(0.0, f64::max)
     }
 }

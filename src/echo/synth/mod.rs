@@ -76,6 +76,7 @@ mod grid;
 pub mod lanes;
 mod prediction;
 mod profiles;
+mod replica;
 mod scalar;
 mod spread;
 mod variant;

@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use super::block::BlockPaths;
 use super::doppler;
-use super::{Precision, Scalar, Synth};
+use super::{Bin, Precision, Scalar, Synth};
 use crate::radar::filter::ReceiveFilter;
+use crate::radar::waveform::{Waveform, looked_at};
 
 /// Predicted `|error|^2 / |echo|^2` of a pulse by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,22 +48,25 @@ impl<T: Scalar> Synth<T> {
         let filter = ReceiveFilter::new(self.sample_rate_hz);
         // Bins beyond some thousand add nothing.
         let step = (self.bins.len() / 1024).max(1);
-        let band: Vec<(f64, f64)> = self
-            .bins
-            .iter()
-            .step_by(step)
-            .map(|bin| {
-                let power =
-                    self.waveform.spectrum(bin.f_hz + mean_hz).norm_sqr() * filter.response(bin.f_hz).powi(2);
+        let of = |pulse: &dyn Waveform| {
+            let bins = self.bins.iter().step_by(step);
+            let power = |bin: &Bin| {
+                let power = pulse.spectrum(bin.f_hz + mean_hz).norm_sqr() * filter.response(bin.f_hz).powi(2);
                 (bin.f_hz / self.cells_per_s, power)
-            })
-            .collect();
-        let all: f64 = band.iter().map(|(_, power)| power).sum();
-        let mean_square_cycles = if all > 0.0 {
-            band.iter().map(|(cycles, power)| cycles * cycles * power).sum::<f64>() / all
-        } else {
-            0.0
+            };
+            let band: Vec<(f64, f64)> = bins.map(power).collect();
+            let all: f64 = band.iter().map(|(_, power)| power).sum();
+            let mean_square_cycles = if all > 0.0 {
+                band.iter().map(|(cycles, power)| cycles * cycles * power).sum::<f64>() / all
+            } else {
+                0.0
+            };
+            let rounding = rounding_power::<T>(drift_cells, mean_square_cycles);
+            [self.kernel.gridding_error_power(&band), rounding]
         };
+        let pulses = looked_at(self.waveform.as_ref());
+        let [gridding, rounding] =
+            pulses.into_iter().map(of).fold([0.0; 2], |most, own| [0, 1].map(|n| f64::max(most[n], own[n])));
         let doppler = doppler::error_power(
             (self.settings.doppler, self.settings.envelope),
             self.waveform.as_ref(),
@@ -72,11 +76,7 @@ impl<T: Scalar> Synth<T> {
             mean_hz,
             residual_hz,
         );
-        PredictedError {
-            gridding: self.kernel.gridding_error_power(&band),
-            doppler,
-            rounding: rounding_power::<T>(drift_cells, mean_square_cycles),
-        }
+        PredictedError { gridding, doppler, rounding }
     }
 }
 

@@ -26,7 +26,7 @@ impl Joint {
     /// For a radar with these delays, s.
     pub fn new(waveform: &Arc<dyn Waveform>, radar: &Radar, delays_s: (f64, f64)) -> Self {
         let (sample_rate_hz, window_samples) = (radar.sample_rate_hz, radar.window.samples);
-        let span = Span::new(delays_s, waveform.span_samples(sample_rate_hz), sample_rate_hz);
+        let span = Span::new(delays_s, waveform.as_ref(), sample_rate_hz);
         Self { waveform: Arc::clone(waveform), span, sample_rate_hz, window_samples }
     }
 

@@ -24,6 +24,7 @@ mod exact;
 mod joint;
 mod points;
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -41,7 +42,7 @@ use crate::paths::block::{
 };
 use crate::paths::list::ScattererPaths;
 use crate::paths::{PathGenerator, Received, Workspace};
-use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, path_list, point_paths};
+use crate::pipeline::engine::{EchoEngine, EchoWorker, Needs, path_list, point_paths, receives_one};
 use crate::pipeline::fault::PulseError;
 use crate::pipeline::kit::Desk;
 use crate::pulse::Pulse;
@@ -125,6 +126,8 @@ struct BlockWork {
     panels: Option<Box<PanelWork>>,
     /// For pulses that are taken in bands of Doppler.
     bands: Option<Bands<f32>>,
+    /// What takes the grids of the block at hand to spectra, by the pulses that leave in turn.
+    of_turns: BTreeMap<u64, Vec<Vec<Complex64>>>,
     /// Where grids are those of emissions.
     joint: Option<Box<JointWork>>,
     /// Scatterer paths of the block at hand that are spread, over all pairs.
@@ -248,6 +251,7 @@ impl BlockEcho {
             factors: Vec::with_capacity(breakers * pairs * part),
             panels: generator.panel_work(variant, self.pulses_of_panels()),
             bands: self.band_hz().map(|_| self.synth.bands()),
+            of_turns: BTreeMap::new(),
             joint: self.joint.as_ref().map(|joint| Box::new(JointWork::new(joint, self.synth.fft_len()))),
             spread: 0,
         }
@@ -269,7 +273,11 @@ impl BlockEcho {
             let paths = &mut work.nodes[0];
             generator.pulse(index, memory, paths, pulse)?;
             let starts_s = pulse.window_starts_s();
-            let found = self.synth.pulse_in_bands(paths, starts_s, band_hz, bands, spectrum)?;
+            let own = self.synth.in_turn(generator.number_of(index));
+            if own.is_some() {
+                receives_one(index, paths)?;
+            }
+            let found = self.synth.pulse_in_bands(own, paths, starts_s, band_hz, bands, spectrum)?;
             check(found)?;
             memory.costs.lap(Stage::Spread);
             memory.costs.accumulated(found.spread);
@@ -279,6 +287,7 @@ impl BlockEcho {
         if !(work.next..work.made.end).contains(&index) {
             work.made = 0..0;
             work.made = self.prepare(generator, index, pulse, memory, work)?;
+            work.of_turns.clear();
         }
         work.next = index + 1;
         if work.silent {
@@ -289,8 +298,23 @@ impl BlockEcho {
             self.join((index, pulse), generator, memory, spectrum, work)?;
             return Ok(());
         }
-        let BlockWork { made, frame, grids, scratch, .. } = &mut *work;
-        self.synth.spectrum_in(frame, grids, (index - made.start) as usize, scratch, spectrum);
+        let BlockWork { made, frame, grids, scratch, received, of_turns, .. } = &mut *work;
+        let at = (index - made.start) as usize;
+        let number = generator.number_of(index);
+        if let Some(own) = self.synth.in_turn(number) {
+            if self.part > 1 && !received.is_alone() {
+                return Err(PulseError::SeveralInTurn { pulse: index });
+            }
+            let turn = number % self.synth.turns();
+            let replicas = of_turns.entry(turn).or_insert_with(|| {
+                let mut replicas = Vec::new();
+                self.synth.replicas_of(own, frame.mean_hz(), &mut replicas);
+                replicas
+            });
+            self.synth.spectrum_by(replicas, (frame, at), grids, scratch, spectrum);
+        } else {
+            self.synth.spectrum_in(frame, grids, at, scratch, spectrum);
+        }
         memory.costs.lap(Stage::Transform);
         memory.costs.accumulated(work.spread);
         Ok(())

@@ -112,9 +112,8 @@ fn in_batches(
         let cells: Vec<Vec<Complex32>> = pulses
             .par_iter()
             .map(|pulse| {
-                let mut cells = aperture
-                    .compressor
-                    .compress(pulse.samples, aperture.doppler_hz(pulse, aperture.centre_m));
+                let doppler_hz = aperture.doppler_hz(pulse, aperture.centre_m);
+                let mut cells = aperture.compressor.compress(pulse.samples, pulse.number, doppler_hz);
                 let weight = (pulse.weight * scale) as f32;
                 cells.iter_mut().for_each(|cell| *cell *= weight);
                 cells
@@ -456,11 +455,13 @@ mod tests {
         let points = times_s.iter().map(|t| [200.0 * t, -900.0, 300.0]).collect();
         let path = PhasePath::new(times_s.clone(), points).unwrap();
         let replica: Vec<Complex32> = (0..20).map(|i| Complex32::cis(0.05 * (i * i) as f32)).collect();
-        let shape = PulseShape { replica: &replica, sample_rate_hz: 1e8, bandwidth_hz: 6e7, pulse_s: 2e-7 };
+        let shape =
+            PulseShape { replica: &replica, turns: 1, sample_rate_hz: 1e8, bandwidth_hz: 6e7, pulse_s: 2e-7 };
         let compressor = Compressor::new(shape, 128, RangeFilter::Matched, Taper::Uniform, 8).unwrap();
         let samples: Vec<Complex32> = (0..128).map(|i| Complex32::cis((i * i) as f32)).collect();
         let echo = |t: &f64| PulseEcho {
             emission_s: *t,
+            number: 0,
             window_start_s: 6.1e-6,
             weight: 1.0 + 10.0 * t,
             samples: &samples,

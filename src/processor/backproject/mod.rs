@@ -43,6 +43,8 @@ pub use reference::reference;
 pub struct PulseEcho<'a> {
     /// Emission, s on the clock of the paths.
     pub emission_s: f64,
+    /// Number of the pulse, by which waveforms in turn are told apart.
+    pub number: u64,
     /// First sample after the emission, s.
     pub window_start_s: f64,
     /// Weight in the sum.

@@ -14,7 +14,10 @@ pub fn reference(aperture: &Aperture, ground: &Ground) -> Vec<Complex64> {
     let spectra: Vec<Vec<Complex64>> = aperture
         .pulses
         .par_iter()
-        .map(|pulse| compressor.spectrum(pulse.samples, aperture.doppler_hz(pulse, aperture.centre_m)))
+        .map(|pulse| {
+            let doppler_hz = aperture.doppler_hz(pulse, aperture.centre_m);
+            compressor.spectrum(pulse.samples, pulse.number, doppler_hz)
+        })
         .collect();
     let all: Vec<[f64; 3]> = points(ground).collect();
     let last = (compressor.samples() - 1) as f64;

@@ -325,6 +325,7 @@ impl<'a> Focuser<'a> {
         let taper = self.settings.aperture;
         let weight = |place: usize| taper.weight((place as f64 + 0.5) / illuminated.len() as f64 - 0.5);
         let echo = |(place, pulse): (usize, &usize)| PulseEcho {
+            number: recording.index[*pulse],
             emission_s: recording.emission_s[*pulse],
             window_start_s: recording.window_start_of(*pulse, channel),
             weight: weight(place),
@@ -374,11 +375,6 @@ fn compressor(recording: &Recording, settings: &Settings) -> Result<Compressor, 
         return Err(FocusError::Interpolation { found_db });
     }
     let cells = oversampling(header.bandwidth_hz, header.sample_rate_hz, found_db);
-    let shape = PulseShape {
-        replica: &header.replica,
-        sample_rate_hz: header.sample_rate_hz,
-        bandwidth_hz: header.bandwidth_hz,
-        pulse_s: header.pulse_s,
-    };
+    let shape = PulseShape::of(header);
     Ok(Compressor::new(shape, header.layout.samples, settings.filter, settings.window, cells)?)
 }

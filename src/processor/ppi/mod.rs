@@ -97,12 +97,7 @@ impl Ppi {
         let recording = Recording::open_channels(path, None, None, |_| Ok::<_, RecordingError>(Vec::new()))?;
         let header = &recording.header;
         let (channel, sight) = Sight::of(header, settings.channel.as_deref())?;
-        let shape = PulseShape {
-            replica: &header.replica,
-            sample_rate_hz: header.sample_rate_hz,
-            bandwidth_hz: header.bandwidth_hz,
-            pulse_s: header.pulse_s,
-        };
+        let shape = PulseShape::of(header);
         let samples = header.layout.samples;
         let compressor =
             Compressor::new(shape, samples, RangeFilter::Matched, settings.window, OVERSAMPLING)?;
@@ -251,7 +246,8 @@ impl Ppi {
                 .into_par_iter()
                 .filter_map(|place| {
                     let row = read.index.binary_search(&self.number(place)).ok()?;
-                    let window = self.compressor.compress(read.window(row, self.channel), 0.0);
+                    let samples = read.window(row, self.channel);
+                    let window = self.compressor.compress(samples, self.number(place), 0.0);
                     Some((place, read.window_start_of(row, self.channel), window))
                 })
                 .collect();

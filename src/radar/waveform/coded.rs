@@ -17,9 +17,10 @@
 //! | P3 | `pi k^2/N` | `sin(pi l^2/N) / (N sin(pi l/N))` at a lag of `l` chips |
 //! | P4 | `pi k^2/N - pi k` | as P3 |
 //! | m-sequence | `pi a_k`, `a_k = sum_t a_{k-t} mod 2`, first 1, `N = 2^n - 1` | periodic: `-1/N` |
+//! | Golay | `a' = a b`, `b' = a -b` from one chip each, `N = 2^n` | none of the sum over the pair |
 //!
 //! Source: Levanon and Mozeson, *Radar Signals* (2004), chapter 6; Lewis and Kretschmer, IEEE Trans. AES-18
-//! (1982) 637 (P3, P4); Golomb, *Shift Register Sequences* (1967).
+//! (1982) 637 (P3, P4); Golomb, *Shift Register Sequences* (1967); Golay, IRE Trans. IT-7 (1961) 82.
 //!
 //! The sum over chips has the period `1/Tb` in `f`. Up to 32 chips are summed, more are read from a table as
 //! that of [`Sampled`](super::Sampled): within 1.8e-13 of `N Tb`.
@@ -125,6 +126,15 @@ fn turns(code: Code) -> Result<Vec<f64>, WaveformError> {
             let square = |k: usize| ((k * k) % (2 * chips)) as f64 / (2 * chips) as f64;
             let centred = |k: usize| if matches!(code, Code::P4 { .. }) { 0.5 * (k % 2) as f64 } else { 0.0 };
             (0..chips).map(|k| square(k) - centred(k)).collect()
+        }
+        Code::Golay { chips, second } => {
+            if !(between(chips) && chips.is_power_of_two()) {
+                return refused("a power of two, 2 to 65536");
+            }
+            // Chip k of either: pairs of ones side by side in the binary digits of k, and the first digit.
+            let half = |k: usize| usize::from(second && k >= chips / 2);
+            let turn = |k: usize| (k & (k >> 1)).count_ones() as usize + half(k);
+            (0..chips).map(|k| 0.5 * (turn(k) % 2) as f64).collect()
         }
         Code::MSequence { register } => {
             // Exponents of primitive polynomials beside `register` and 0.

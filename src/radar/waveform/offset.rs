@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use super::{Waveform, WaveformError, by_differences};
+use super::{InTurn, Waveform, WaveformError, by_differences};
 
 /// A waveform whose carrier lies so far above that of the receiver:
 ///
 /// ```text
 /// p'(u) = p(u) e^{j 2 pi df u} ,  P'(f) = P(f - df)
 /// ```
-pub(crate) struct Offset {
+struct Offset {
     waveform: Arc<dyn Waveform>,
     offset_hz: f64,
     /// Whether it is a continuous signal or a segment of one.
@@ -23,11 +23,15 @@ pub(crate) struct Offset {
 /// Frequencies that are shifted together.
 const TOGETHER: usize = 64;
 
-impl Offset {
-    pub fn new(waveform: Arc<dyn Waveform>, offset_hz: f64) -> Self {
-        let of_stream = waveform.is_stream();
-        Self { waveform, offset_hz, of_stream }
+/// A waveform whose carrier lies so far above that of the receiver; of pulses in turn, each of them.
+pub(crate) fn offset(waveform: Arc<dyn Waveform>, offset_hz: f64) -> Arc<dyn Waveform> {
+    let pulses = waveform.in_turn();
+    if !pulses.is_empty() {
+        let of = pulses.iter().map(|pulse| offset(Arc::clone(pulse), offset_hz)).collect();
+        return Arc::new(InTurn::new(of, waveform.bandwidth_hz()));
     }
+    let of_stream = waveform.is_stream();
+    Arc::new(Offset { waveform, offset_hz, of_stream })
 }
 
 impl Waveform for Offset {

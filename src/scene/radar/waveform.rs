@@ -61,6 +61,20 @@ pub enum Waveform {
         /// How far its end lies below its begin, dB.
         droop_db: f64,
     },
+    /// A pulse whose carrier is another.
+    Offset {
+        /// The pulse; neither an offset one nor a continuous signal.
+        of: Box<Waveform>,
+        /// Its carrier less that of the radar, Hz.
+        offset_hz: f64,
+    },
+    /// Emission `k` radiates number `k` of these, modulo how many they are.
+    InTurn {
+        /// Two and more pulses; none of them in turn or continuous.
+        of: Vec<Waveform>,
+        /// Whether they are the steps of `kind = "stepped"`.
+        stepped: bool,
+    },
     /// A continuous signal, of which every emission radiates the next segment.
     Stream {
         /// The signal.
@@ -260,12 +274,29 @@ impl Waveform {
             | Self::Nlfm { duration_s, .. }
             | Self::Cw { duration_s } => Some(*duration_s),
             Self::PhaseCode { code, chip_s } => Some(code.chips() as f64 * chip_s),
-            Self::Drooping { of, .. } => of.duration_s(),
+            Self::Drooping { of, .. } | Self::Offset { of, .. } => of.duration_s(),
+            Self::InTurn { of, .. } => {
+                of.iter().map(Self::duration_s).try_fold(0.0, |a: f64, b| Some(a.max(b?)))
+            }
             Self::Samples { .. } | Self::Stream { .. } => None,
         }
     }
 
-    /// Bandwidth, Hz: swept, `1/Tc` of a plain pulse, one over a chip of a code; `None` where a file has it.
+    /// Lower and upper end of the band about the carrier, Hz; `None` where a file has it.
+    pub fn band_hz(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Offset { of, offset_hz } => of.band_hz().map(|band| band.map(|hz| hz + offset_hz)),
+            Self::InTurn { of, .. } => {
+                let mut bands = of.iter().map(Self::band_hz);
+                let first = bands.next()??;
+                bands.try_fold(first, |a, b| Some([a[0].min(b?[0]), a[1].max(b?[1])]))
+            }
+            other => other.bandwidth_hz().map(|hz| [-0.5 * hz, 0.5 * hz]),
+        }
+    }
+
+    /// Bandwidth, Hz: swept, `1/Tc` of a plain pulse, one over a chip of a code, of pulses in turn from the lower
+    /// end of all bands to the upper; `None` where a file has it.
     pub fn bandwidth_hz(&self) -> Option<f64> {
         match self {
             Self::Lfm { bandwidth_hz, .. }
@@ -273,7 +304,8 @@ impl Waveform {
             | Self::Nlfm { bandwidth_hz, .. } => Some(*bandwidth_hz),
             Self::Cw { duration_s } => Some(duration_s.recip()),
             Self::PhaseCode { chip_s, .. } => Some(chip_s.recip()),
-            Self::Drooping { of, .. } => of.bandwidth_hz(),
+            Self::Drooping { of, .. } | Self::Offset { of, .. } => of.bandwidth_hz(),
+            Self::InTurn { .. } => self.band_hz().map(|[from, to]| to - from),
             Self::Stream { source, .. } => source.bandwidth_hz(),
             Self::Samples { .. } => None,
         }
@@ -289,6 +321,11 @@ impl Waveform {
         }
     }
 
+    /// How many pulses there are in turn; 1 of all others.
+    pub fn turns(&self) -> usize {
+        if let Self::InTurn { of, .. } = self { of.len() } else { 1 }
+    }
+
     /// The pulse without droop.
     pub fn level(&self) -> &Self {
         if let Self::Drooping { of, .. } = self { of } else { self }
@@ -302,7 +339,14 @@ impl Waveform {
             Self::Nlfm { .. } => "nlfm",
             Self::Cw { .. } => "cw",
             Self::PhaseCode { .. } => "phase-code",
-            Self::Drooping { of, .. } => of.kind(),
+            Self::Drooping { of, .. } | Self::Offset { of, .. } => of.kind(),
+            Self::InTurn { stepped, .. } => {
+                if *stepped {
+                    "stepped"
+                } else {
+                    "in-turn"
+                }
+            }
             Self::Samples { .. } => "samples",
             Self::Stream { source, .. } => source.name(),
         }
@@ -368,6 +412,13 @@ pub enum Code {
         /// Stages of the register, 2 to 16.
         register: u32,
     },
+    /// Two phases, one of a pair whose autocorrelations add up to that of a single chip.
+    Golay {
+        /// A power of two, 2 or more.
+        chips: usize,
+        /// Whether it is the second of the pair.
+        second: bool,
+    },
 }
 
 impl Code {
@@ -377,7 +428,9 @@ impl Code {
     /// How many chips it has.
     pub fn chips(&self) -> usize {
         match self {
-            Self::Barker { chips } | Self::P3 { chips } | Self::P4 { chips } => *chips,
+            Self::Barker { chips } | Self::P3 { chips } | Self::P4 { chips } | Self::Golay { chips, .. } => {
+                *chips
+            }
             Self::Frank { phases } => phases.saturating_mul(*phases),
             Self::MSequence { register } => {
                 1usize.checked_shl(*register).map_or(usize::MAX, |n| n.wrapping_sub(1))
@@ -393,6 +446,8 @@ impl Code {
             Self::P3 { .. } => "p3",
             Self::P4 { .. } => "p4",
             Self::MSequence { .. } => "m-sequence",
+            Self::Golay { second: false, .. } => "golay-a",
+            Self::Golay { second: true, .. } => "golay-b",
         }
     }
 }

@@ -1,0 +1,128 @@
+//! Pulses in turn: emission `k` radiates pulse `k mod m` of `m`.
+//!
+//! What asks for one pulse gets the first of them; lengths and bands are those that hold all.
+//!
+//! ```
+//! use nereus::radar::waveform::{InTurn, Lfm, Waveform};
+//! use nereus::scene::radar::Sweep;
+//! use std::sync::Arc;
+//! let sweep = |direction| Ok::<_, nereus::radar::waveform::WaveformError>(Arc::new(Lfm::new(20e6, 2e-6, direction)?));
+//! let pulses = InTurn::new(vec![sweep(Sweep::Up)?, sweep(Sweep::Down)?], 20e6);
+//! let rate = |emission| pulses.of_emission(emission).unwrap().unwrap().sweep_rate_hz_per_s();
+//! assert_eq!((rate(6), rate(7)), (Some(1e13), Some(-1e13)));
+//! # Ok::<(), nereus::radar::waveform::WaveformError>(())
+//! ```
+
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use super::{Waveform, WaveformError};
+
+/// Instants at which the power of a pulse is looked at.
+const INSTANTS: usize = 4096;
+
+/// Pulses in turn.
+#[derive(Clone)]
+pub struct InTurn {
+    of: Vec<Arc<dyn Waveform>>,
+    bandwidth_hz: f64,
+    /// Mean energy over the greatest.
+    steadiness: f64,
+}
+
+impl InTurn {
+    /// Some pulses, one at least, which occupy so much together, Hz.
+    pub fn new(of: Vec<Arc<dyn Waveform>>, bandwidth_hz: f64) -> Self {
+        let energies: Vec<f64> = of.iter().map(|pulse| energy_s(pulse.as_ref())).collect();
+        let most = energies.iter().copied().fold(0.0, f64::max);
+        let mean = energies.iter().sum::<f64>() / energies.len().max(1) as f64;
+        Self { of, bandwidth_hz, steadiness: if most > 0.0 { mean / most } else { 1.0 } }
+    }
+
+    fn at(&self, emission: u64) -> Option<&Arc<dyn Waveform>> {
+        self.of.get((emission % self.of.len().max(1) as u64) as usize)
+    }
+
+    fn most(&self, of: impl Fn(&dyn Waveform) -> f64) -> f64 {
+        self.of.iter().map(|pulse| of(pulse.as_ref())).fold(0.0, f64::max)
+    }
+}
+
+/// Integral of `|p|^2`, s.
+fn energy_s(pulse: &dyn Waveform) -> f64 {
+    let step_s = pulse.duration_s() / INSTANTS as f64;
+    (0..INSTANTS).map(|n| pulse.sample((n as f64 + 0.5) * step_s).norm_sqr()).sum::<f64>() * step_s
+}
+
+impl Waveform for InTurn {
+    fn name(&self) -> &str {
+        "in-turn"
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.most(|pulse| pulse.duration_s())
+    }
+
+    fn bandwidth_hz(&self) -> f64 {
+        self.bandwidth_hz
+    }
+
+    fn lobe_hz(&self) -> f64 {
+        self.most(|pulse| pulse.lobe_hz())
+    }
+
+    fn spectrum(&self, f_hz: f64) -> Complex64 {
+        self.of.first().map_or(Complex64::ZERO, |pulse| pulse.spectrum(f_hz))
+    }
+
+    fn sample(&self, t_s: f64) -> Complex64 {
+        self.of.first().map_or(Complex64::ZERO, |pulse| pulse.sample(t_s))
+    }
+
+    fn moment_spectrum(&self, f_hz: f64) -> Complex64 {
+        self.of.first().map_or(Complex64::ZERO, |pulse| pulse.moment_spectrum(f_hz))
+    }
+
+    fn of_emission(&self, emission: u64) -> Result<Option<Arc<dyn Waveform>>, WaveformError> {
+        Ok(self.at(emission).cloned())
+    }
+
+    fn in_turn(&self) -> &[Arc<dyn Waveform>] {
+        &self.of
+    }
+
+    fn steadiness(&self, _emissions: u64) -> f64 {
+        self.steadiness
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::radar::waveform::Coded;
+    use crate::scene::radar::Code;
+
+    #[test]
+    fn energies_weigh_the_strongest() {
+        let pulse = |us: f64| Arc::new(Coded::plain(us * 1e-6).unwrap()) as Arc<dyn Waveform>;
+        let pulses = InTurn::new(vec![pulse(1.0), pulse(3.0)], 1e6);
+        assert!((pulses.steadiness(2) - 2.0 / 3.0).abs() < 1e-9);
+        assert_eq!(pulses.duration_s(), 3e-6);
+    }
+
+    /// Autocorrelations of a Golay pair add up to that of one chip: their power spectra to `2 N |P_chip|^2`.
+    #[test]
+    fn golay_pairs_have_no_side_lobes() {
+        for chips in [2usize, 8, 64, 4096] {
+            let pulse = |second| Coded::new(Code::Golay { chips, second }, 1e-7).unwrap();
+            let (a, b, chip) = (pulse(false), pulse(true), Coded::plain(1e-7).unwrap());
+            for n in -40..=40 {
+                let f_hz = 0.171e6 * f64::from(n);
+                let both = a.spectrum(f_hz).norm_sqr() + b.spectrum(f_hz).norm_sqr();
+                let wanted = 2.0 * chips as f64 * chip.spectrum(f_hz).norm_sqr();
+                assert!((both - wanted).abs() < 1e-9 * chips as f64 * 1e-14, "{chips} {f_hz}");
+            }
+        }
+    }
+}
