@@ -52,7 +52,7 @@ fn scene(facets: usize) -> Scene {
             lag_s: 0.0,
             bias_rad: [0.0; 2],
         },
-        cross_pol_isolation_db: None,
+        ports: nereus::scene::radar::PortErrors::default(),
     };
     let ports = [Polarisation::H, Polarisation::V];
     let channels = ports.into_iter().flat_map(|rx| ports.map(|tx| (rx, tx)));

@@ -80,13 +80,15 @@ def ppi(
     samples = iq.sizes["sample"]
     cells = samples + int(offsets.max())
     sums, counts = np.zeros((steps, cells)), np.zeros((steps, cells))
-    length = 1 << int(samples + replica.size - 1).bit_length()
-    weights = np.conj(np.fft.fft(replica, length)) / np.sum(np.abs(replica) ** 2)
+    pulses = _in_turn(ds, instrument, replica)
+    length = 1 << int(samples + pulses.shape[1] - 1).bit_length()
+    weights = np.conj(np.fft.fft(pulses, length)) / np.sum(np.abs(pulses) ** 2, axis=1, keepdims=True)
+    turns = ds["pulse"].values[seen] % len(pulses)
     block = max(1, _BLOCK_BYTES // (16 * length))
     for first in range(0, seen.size, block):
         part = slice(first, first + block)
         window = np.asarray(iq.isel(pulse=seen[part]).values, np.complex128)
-        power = np.abs(np.fft.ifft(np.fft.fft(window, length) * weights)[:, :samples]) ** 2
+        power = np.abs(np.fft.ifft(np.fft.fft(window, length) * weights[turns[part]])[:, :samples]) ** 2
         for values, at, offset in zip(power, place[part], offsets[part]):
             sums[at, offset : offset + samples] += values
             counts[at, offset : offset + samples] += 1.0
@@ -98,6 +100,14 @@ def ppi(
     }
     attrs = {"units": "W", "long_name": "range-compressed power", "channel": name, "pointing": pointing}
     return xr.DataArray(mean, coords, ("azimuth", "range"), "power", {**attrs, "pulses": int(seen.size)})
+
+
+def _in_turn(ds: xarray.Dataset, instrument: dict[str, Any], replica: np.ndarray) -> np.ndarray:
+    """The pulses that leave in turn, [pulse, sample]; mostly one."""
+    if instrument.get("waveform", {}).get("kind") not in ("in-turn", "stepped"):
+        return replica[np.newaxis]
+    samples = ds.attrs["pulse_s"] * ds.attrs["sample_rate_hz"]
+    return replica.reshape(-1, max(1, int(np.ceil(samples * (1.0 - 4.0 * np.finfo(float).eps)))))
 
 
 def _steps(azimuth_step_deg: Any) -> int:

@@ -96,7 +96,7 @@ pub fn emitter_budgets(prepared: &Prepared) -> Result<Vec<EmitterBudget>, BuildE
             let basis = Basis::of(sent);
             let level_w = |rx_port| {
                 let leaks = [&emitter.transmitter.antenna, &receiver.antenna];
-                let [leak_t, leak_r] = leaks.map(|of| of.cross_pol_isolation_db);
+                let [leak_t, leak_r] = leaks.map(|of| of.ports);
                 let e_t = field(&tx.basis, emitter.polarisation, leak_t, sent, &basis);
                 let e_r = field(&rx.basis, rx_port, leak_r, back, &basis);
                 let rain = link.in_rain_direct([emitter.polarisation, rx_port], &path);

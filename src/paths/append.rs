@@ -271,8 +271,8 @@ impl PathGenerator {
         let rx = self.radar.transmitters.len() + plan.pair.receiver;
         let [sent, received] = bounce.map_or([path.incident, path.scattered], |bounce| bounce.at_antennas);
         let (basis_in, basis_out) = (Basis::of(sent), Basis::of(received));
-        let tx_leak = self.radar.transmitters[tx].antenna.cross_pol_isolation_db;
-        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db;
+        let tx_leak = self.radar.transmitters[tx].antenna.ports;
+        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.ports;
         let tx_basis = emission.basis(tx);
         let rx_basis = emission.basis_after(rx, path.delay_s, self.axes_span_s);
         for &(channel, tx_port, rx_port) in &plan.channels {

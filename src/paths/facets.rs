@@ -356,8 +356,8 @@ impl Chunk {
             let [vv, vh, hv, hh] = &self.matrix;
             let (tx, rx) = (plan.pair.transmitter, plan.pair.receiver);
             let tx_basis = reception.emission.basis(tx);
-            let tx_leak = reception.radar.transmitters[tx].antenna.cross_pol_isolation_db;
-            let rx_leak = reception.radar.receivers[rx].antenna.cross_pol_isolation_db;
+            let tx_leak = reception.radar.transmitters[tx].antenna.ports;
+            let rx_leak = reception.radar.receivers[rx].antenna.ports;
             for i in 0..count {
                 let scale = columns.scale[i];
                 if scale == Complex64::ZERO {

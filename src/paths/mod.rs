@@ -42,7 +42,7 @@
 //!     lever_arm: Vector::ZERO,
 //!     pattern: Pattern::Isotropic { gain_dbi: 30.0 },
 //!     pointing: Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 },
-//!     cross_pol_isolation_db: None,
+//!     ports: PortErrors::default(),
 //! };
 //! let scene = Scene {
 //!     frame: SceneFrame::plain(Earth::Flat),

@@ -98,8 +98,8 @@ struct Generator {
     of: Calibration,
     /// Amplitude and phase.
     amplitude: Complex64,
-    /// Samples of a loopback.
-    pulse: Vec<Complex64>,
+    /// Samples of a loopback, of each of the pulses in turn.
+    pulses: Vec<Vec<Complex64>>,
 }
 
 /// All calibration channels of a radar, which stand behind its channels of echoes.
@@ -148,7 +148,7 @@ impl Generators {
             if of.receiver >= radar.receivers.len() {
                 return Err(CalibrationFault::Antenna { name, place: of.receiver });
             }
-            let pulse = match of.signal {
+            let pulses = match of.signal {
                 Signal::Tone { offset_hz } if offset_hz.abs() <= 0.5 * fs => Vec::new(),
                 Signal::Tone { offset_hz } => {
                     return Err(CalibrationFault::Offset {
@@ -167,10 +167,16 @@ impl Generators {
                     if !(delay_s >= 0.0 && delay_s <= most + 1e-9 / fs) {
                         return Err(CalibrationFault::Delay { name, delay_s, most: most.max(0.0) });
                     }
-                    loopback(waveform, fs, delay_s, amplitude, radar.window.samples, receiver)
+                    let of = |pulse: &dyn Waveform| {
+                        loopback(pulse, fs, delay_s, amplitude, radar.window.samples, receiver)
+                    };
+                    match waveform.in_turn() {
+                        [] => vec![of(waveform)],
+                        pulses => pulses.iter().map(|pulse| of(pulse.as_ref())).collect(),
+                    }
                 }
             };
-            Ok(Generator { of: of.clone(), amplitude, pulse })
+            Ok(Generator { of: of.clone(), amplitude, pulses })
         });
         Ok(Self {
             list: made.collect::<Result<_, _>>()?,
@@ -207,7 +213,9 @@ impl Generators {
         let mut saturated = 0;
         for (place, generator) in self.list.iter().enumerate() {
             let channel = self.first + place;
-            let Generator { of, amplitude, pulse: samples } = generator;
+            let Generator { of, amplitude, pulses } = generator;
+            let turn = index.checked_rem(pulses.len() as u64).unwrap_or(0);
+            let samples = pulses.get(turn as usize).map_or(&[][..], Vec::as_slice);
             let window_s = pulse.window_start_of(of.receiver);
             let apart = |transmitter: Option<usize>| {
                 let clocks = self.clocks.as_ref();

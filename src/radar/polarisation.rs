@@ -41,7 +41,7 @@ use glam::{DMat3, DVec3};
 use num_complex::Complex64;
 
 use crate::geometry::bistatic::Basis;
-use crate::scene::radar::{Polarisation, PolarisationBasis};
+use crate::scene::radar::{Polarisation, PolarisationBasis, PortErrors};
 use crate::units::Decibels;
 
 /// Axes of an antenna frame in ENU (columns x, y, z).
@@ -98,9 +98,9 @@ impl PortBasis {
     }
 }
 
-/// Shares of H and V in the field of a port; their squares sum to 1.
-pub fn port_shares(port: Polarisation, cross_pol_isolation_db: Option<f64>) -> [Complex64; 2] {
-    let leak = cross_pol_isolation_db.map_or(0.0, |db| Decibels(-db).amplitude_ratio());
+/// Shares of H and V in the field of a port; their squares sum to 1, times its gain.
+pub fn port_shares(port: Polarisation, errors: PortErrors) -> [Complex64; 2] {
+    let leak = errors.isolation_db.map_or(0.0, |db| Decibels(-db).amplitude_ratio());
     let circular =
         |h: f64, v: f64| [Complex64::new(h * FRAC_1_SQRT_2, 0.0), Complex64::new(0.0, v * FRAC_1_SQRT_2)];
     let shares = match port {
@@ -110,7 +110,12 @@ pub fn port_shares(port: Polarisation, cross_pol_isolation_db: Option<f64>) -> [
         Polarisation::L => circular(1.0 + leak, 1.0 - leak),
     };
     let length = (1.0 + leak * leak).sqrt();
-    [shares[0] / length, shares[1] / length]
+    let shares = [shares[0] / length, shares[1] / length];
+    if errors.gain_db == 0.0 && errors.phase_rad == 0.0 {
+        return shares;
+    }
+    let factor = Complex64::from_polar(Decibels(errors.gain_db).amplitude_ratio(), errors.phase_rad);
+    shares.map(|share| share * factor)
 }
 
 /// Components `(v, h)` in the basis of a propagation direction of the field of a port towards a unit
@@ -119,11 +124,11 @@ pub fn port_shares(port: Polarisation, cross_pol_isolation_db: Option<f64>) -> [
 pub fn field(
     antenna: &PortBasis,
     port: Polarisation,
-    cross_pol_isolation_db: Option<f64>,
+    errors: PortErrors,
     d: DVec3,
     basis: &Basis,
 ) -> [Complex64; 2] {
-    let [c_h, c_v] = port_shares(port, cross_pol_isolation_db);
+    let [c_h, c_v] = port_shares(port, errors);
     let [e_h, e_v] = antenna.vectors(d);
     let along = |p: DVec3| c_h * p.dot(e_h) + c_v * p.dot(e_v);
     [along(basis.v), along(basis.h)]

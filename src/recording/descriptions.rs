@@ -173,7 +173,7 @@ pub static DESCRIPTIONS: [Description; 36] = [
     row("channel", ["channel", NONE, NONE,
         "name, transmitter, receiver, polarisations (received, then transmitted; or tone, loopback)"],
         Once("table", |_| true)),
-    row("replica", ["sample", "1", NONE, "transmitted pulse after the receive filter at sample_rate_hz"],
+    row("replica", ["sample", "1", NONE, "transmitted pulse after the receive filter at sample_rate_hz; of waveforms in turn one after the other"],
         Once("complex64", |_| true)),
 ];
 

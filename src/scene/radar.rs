@@ -399,8 +399,19 @@ pub struct AntennaMount {
     pub pattern: Pattern,
     /// Where it points.
     pub pointing: Pointing,
+    /// What is wrong with its ports.
+    pub ports: PortErrors,
+}
+
+/// What is wrong with the ports of an antenna, alike in all directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PortErrors {
     /// Leakage of the orthogonal port, dB below the wanted one; `None` for ideal ports.
-    pub cross_pol_isolation_db: Option<f64>,
+    pub isolation_db: Option<f64>,
+    /// Gain of the signal before the receiver's noise, dB.
+    pub gain_db: f64,
+    /// Its phase, rad.
+    pub phase_rad: f64,
 }
 
 /// A gain pattern.

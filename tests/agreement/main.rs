@@ -5,6 +5,7 @@
 mod cases;
 #[path = "../support/dem.rs"]
 mod dem;
+mod arrays;
 mod blocks;
 mod breaking;
 mod changes;

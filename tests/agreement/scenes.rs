@@ -37,7 +37,7 @@ fn mount(platform: usize) -> AntennaMount {
         lever_arm: Vector::ZERO,
         pattern: Pattern::Isotropic { gain_dbi: GAIN_DBI },
         pointing: Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 },
-        cross_pol_isolation_db: None,
+        ports: nereus::scene::radar::PortErrors::default(),
     }
 }
 

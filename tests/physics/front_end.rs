@@ -112,7 +112,7 @@ fn receivers_elsewhere_are_not_blanked() {
         lever_arm: nereus::frames::Vector::ZERO,
         pattern: Pattern::Isotropic { gain_dbi: 0.0 },
         pointing: Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 },
-        cross_pol_isolation_db: None,
+        ports: nereus::scene::radar::PortErrors::default(),
     };
     let errors = front_end::FrontEnd { blanked_s: Some(0.0), ..Default::default() };
     let heard = |receiver: usize| {

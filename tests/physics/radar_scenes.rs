@@ -28,7 +28,7 @@ pub fn pointed_at(platform: usize, target: [f64; 3]) -> AntennaMount {
             lag_s: 0.0,
             bias_rad: [0.0; 2],
         },
-        cross_pol_isolation_db: None,
+        ports: nereus::scene::radar::PortErrors::default(),
     }
 }
 

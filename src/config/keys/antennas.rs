@@ -22,6 +22,9 @@ tables! {
         CROSS_POL_ISOLATION_DB "cross_pol_isolation_db", number("dB", 0.0, 200.0), Means("ideal ports"), "Leakage of the orthogonal port, dB below the wanted one.";
         CLOCK "clock", Section(&clock::TABLE), Means("an ideal clock"), "Errors of its clock.";
         HEARS "hears", Words { least: 0, most: 256, entry: "the name of a transmitter" }, Means("all transmitters"), "Transmitters whose echoes it records, at least one: it has channels with these alone.";
+        GAIN_DB "gain_db", number("dB", -60.0, 60.0), default(0.0), "Gain of its echoes, before the receiver's noise: an imbalance of channels, or what a cable loses.";
+        PHASE_DEG "phase_deg", number("deg", -360.0, 360.0), default(0.0), "Phase of its echoes.";
+        ARRAY "array", Section(&array::TABLE), Means("one antenna"), "An array of such antennas, each a receiver of its own (docs/arrays.md).";
         WINDOW "window", Section(&own_window::TABLE), Means("that of [radar.window]"), "Where its window starts, with as many samples as that of [radar.window].";
     }
     emitter "[[emitter]]" "What else radiates: another radar, a beacon, a jammer, with a carrier, a waveform and a schedule of its own. What receivers take of it is added to their channels (docs/emitters.md). Exactly one of prf_hz and pri_us." {
@@ -41,6 +44,12 @@ tables! {
         HEARD_BY "heard_by", Words { least: 1, most: 256, entry: "the name of a receiver" }, Means("all receivers"), "Receivers that take it.";
         DIRECT_PATH "direct_path", Kind::Flag, Flag(true), "Whether its direct path is received.";
         ECHO "echo", Kind::Flag, Flag(true), "Whether sea, ships and targets return it; rain does not.";
+    }
+    array "[receiver.array]" "Equal antennas in a row: receivers NAME-0, NAME-1, .. that share platform, pattern, pointing, window and clock." {
+        ELEMENTS "elements", count(2, 64), Required, "How many.";
+        SPACING_M "spacing_m", vector("m", 3, 1e4), Required, "From the phase centre of one to that of the next: forward, starboard, down. The middle of all lies at lever_arm_m.";
+        GAINS_DB "gains_db", Kind::Numbers { unit: "dB", least: 2, most: 64, min: -60.0, max: 60.0 }, Means("0 dB of all"), "Errors of the gain, element by element, besides gain_db.";
+        PHASES_DEG "phases_deg", Kind::Numbers { unit: "deg", least: 2, most: 64, min: -360.0, max: 360.0 }, Means("0 of all"), "Errors of the phase, element by element, besides phase_deg.";
     }
     own_window "[receiver.window]" "Where the window of a receiver starts. Exactly one of start_us and follow." {
         START_US "start_us", number("us", 0.0, 1e7), Means("follow is given"), "Start after the emission, not rounded to the sample grid. May exceed the pulse interval.";

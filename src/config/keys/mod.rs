@@ -280,6 +280,7 @@ pub static TABLES: &[&Table] = &[
     &smoothing::TABLE,
     &transmitter::TABLE,
     &receiver::TABLE,
+    &array::TABLE,
     &own_window::TABLE,
     &emitter::TABLE,
     &antenna::TABLE,

@@ -9,7 +9,9 @@ use crate::config::error::Problem;
 use crate::config::keys::{self, Key};
 use crate::config::section::Section;
 use crate::frames::Vector;
-use crate::scene::radar::{Aim, AntennaMount, ApertureTaper, Encoder, Pattern, Pointing, Scan, ScanLaw};
+use crate::scene::radar::{
+    Aim, AntennaMount, ApertureTaper, Encoder, Pattern, Pointing, PortErrors, Scan, ScanLaw,
+};
 
 /// The keys that transmitters and receivers share.
 pub(super) struct MountKeys {
@@ -78,14 +80,14 @@ pub(super) fn mount(
     } else {
         Some(Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 })
     };
-    let cross_pol_isolation_db = section.number(keys.cross_pol_isolation_db);
+    let isolation_db = section.number(keys.cross_pol_isolation_db);
     let [forward, starboard, down] = lever_arm?;
     Some(AntennaMount {
         platform: platform?,
         lever_arm: Vector::new(forward, starboard, down),
         pattern: pattern?,
         pointing: pointing?,
-        cross_pol_isolation_db,
+        ports: PortErrors { isolation_db, ..PortErrors::default() },
     })
 }
 

@@ -32,6 +32,12 @@ impl Given {
         list.push(place);
     }
 
+    /// The next receiver has the clock of the last.
+    pub(super) fn share_last(&mut self) {
+        let last = self.clocks.receivers.last().copied().flatten();
+        self.clocks.receivers.push(last);
+    }
+
     /// Whether any antenna has one.
     pub(super) fn has_any(&self) -> bool {
         self.clocks.transmitters.iter().chain(&self.clocks.receivers).any(Option::is_some)

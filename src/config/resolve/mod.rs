@@ -18,6 +18,7 @@ mod place;
 mod plausible;
 mod platform;
 mod radar;
+mod receiver;
 mod sea;
 mod ship;
 mod signal;
@@ -28,6 +29,7 @@ mod stream;
 mod target;
 mod video;
 mod way;
+mod window;
 
 use std::collections::HashMap;
 

@@ -1,14 +1,15 @@
 //! The instrument.
 
-use super::antenna::{self, AimKeys, MountKeys, aim_keys, mount_keys};
+use super::antenna::{self, MountKeys, mount_keys};
 use super::calibration::{self, Limits};
 use super::clock::Given;
 use super::emitter;
 use super::front_end;
-use super::place::SurfaceKeys;
+use super::receiver;
 use super::signal::{emissions, waveform};
+use super::window::window;
 use super::{Ground, Names, plausible};
-use crate::config::choices::{GateKind, TxKind};
+use crate::config::choices::TxKind;
 use crate::config::error::{Problem, Warning};
 use crate::config::keys::{self, Key};
 use crate::config::scalars::{polarisation, polarisation_pair};
@@ -17,8 +18,7 @@ use crate::radar::rain::{CARRIERS_HZ, RAYLEIGH_TO_HZ};
 use crate::scene::calibration::Calibration;
 use crate::scene::front_end::FrontEnd;
 use crate::scene::radar::{
-    Adc, Channel, Dechirp, Gate, Polarisation, Radar, RainClutter, Receiver, Transmitter, TxPolarisation,
-    Waveform, Window,
+    Adc, Channel, Dechirp, Polarisation, Radar, RainClutter, Transmitter, TxPolarisation, Waveform,
 };
 use crate::time::PulseTimes;
 
@@ -47,15 +47,14 @@ pub(super) fn radar(
         })
         .collect();
     let mut receiver_names = Names::new("receiver");
-    let (receivers, hears): (Vec<Option<Receiver>>, Vec<Option<Vec<usize>>>) = root
-        .sections(&keys::root::RECEIVER)
-        .into_iter()
-        .map(|section| {
-            receiver_names.take(&section, &keys::receiver::NAME, &[&transmitter_names]);
-            let hears = transmitter_names.find_all(&section, &keys::receiver::HEARS);
-            (receiver(section, &receiver_names, ground, platforms, clocks), hears)
-        })
-        .unzip();
+    let (mut receivers, mut hears) = (Vec::new(), Vec::new());
+    for section in root.sections(&keys::root::RECEIVER) {
+        let heard = transmitter_names.find_all(&section, &keys::receiver::HEARS);
+        let names = (&mut receiver_names, &transmitter_names);
+        let elements = receiver::receivers(section, names, ground, platforms, clocks);
+        hears.extend(elements.iter().map(|_| heard.clone()));
+        receivers.extend(elements);
+    }
 
     use keys::radar as k;
     let section = root.section(&keys::root::RADAR)?;
@@ -282,100 +281,6 @@ fn transmitter(
     let antenna = antenna::mount(&section, &mount_keys!(transmitter), ground, platforms);
     section.finish();
     Some(Transmitter { name: names.last()?, power_w: power_w?, antenna: antenna? })
-}
-
-fn receiver(
-    section: Section<'_>,
-    names: &Names,
-    ground: &Ground,
-    platforms: &Names,
-    clocks: &mut Given,
-) -> Option<Receiver> {
-    use keys::receiver as k;
-    clocks.take(&section, &k::CLOCK, names.last(), true);
-    let antenna = antenna::mount(&section, &mount_keys!(receiver), ground, platforms);
-    let own = section.has(&k::WINDOW);
-    let gate = section.section(&k::WINDOW).and_then(|section| {
-        use keys::own_window::{FOLLOW, START_US};
-        let all = "every receiver takes radar.window.samples";
-        section.idle(&[&keys::window::SAMPLES], all);
-        let gate = gate(&section, [&START_US, &FOLLOW], ground, platforms);
-        section.finish();
-        gate
-    });
-    section.finish();
-    Some(Receiver { name: names.last()?, antenna: antenna?, gate: if own { Some(gate?) } else { None } })
-}
-
-/// The window, and whether it is a block of those that follow each other.
-fn window(
-    section: Section<'_>,
-    sample_rate_hz: Option<f64>,
-    pulse_s: Option<f64>,
-    ground: &Ground,
-    platforms: &Names,
-) -> Option<(Window, bool)> {
-    use keys::window::{FOLLOW, GATE, SAMPLES, START_US};
-    let samples = section.count(&SAMPLES);
-    let Some(kind) = section.choice::<GateKind>(&GATE) else {
-        // Report faults of the other keys as well.
-        opening(&section, [&START_US, &FOLLOW], ground, platforms);
-        section.finish();
-        return None;
-    };
-    if kind == GateKind::Continuous {
-        section.idle(&[&START_US, &FOLLOW], "gate = \"continuous\"");
-        let samples = samples.and_then(|samples| usize::try_from(samples).ok());
-        let blocks = samples.zip(sample_rate_hz).filter(|(n, hz)| PulseTimes::blocks(*n, *hz).is_err());
-        if let Some((samples, hz)) = blocks {
-            let found = format!("a block of {} s", samples as f64 / hz);
-            section.fault(&SAMPLES, Problem::Type { found, allowed: "1e-9 to 1000 s".to_owned() });
-        }
-        section.finish();
-        return Some((Window { samples: samples?, gate: Gate::Fixed { start_s: 0.0 } }, true));
-    }
-    if let (Some(samples), Some(sample_rate_hz), Some(pulse_s)) = (samples, sample_rate_hz, pulse_s) {
-        let window_s = samples as f64 / sample_rate_hz;
-        // A pulse of a whole number of samples must pass although its product with the rate is rounded.
-        let least = (pulse_s * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as u64;
-        if samples < least {
-            section.fault(&SAMPLES, Problem::ShortWindow { samples, window_s, pulse_s, least });
-        }
-    }
-    let gate = gate(&section, [&START_US, &FOLLOW], ground, platforms);
-    section.finish();
-    Some((Window { samples: usize::try_from(samples?).ok()?, gate: gate? }, false))
-}
-
-/// Where a window starts, by one of the keys.
-fn gate(section: &Section<'_>, keys: [&'static Key; 2], ground: &Ground, platforms: &Names) -> Option<Gate> {
-    let written = section.exactly_one(&keys);
-    let opening = opening(section, keys, ground, platforms);
-    written?;
-    opening
-}
-
-/// The same, whichever of them are written.
-fn opening(
-    section: &Section<'_>,
-    [start_us, follows]: [&'static Key; 2],
-    ground: &Ground,
-    platforms: &Names,
-) -> Option<Gate> {
-    let fixed = section.number(start_us).map(|us| Gate::Fixed { start_s: us / 1e6 });
-    let follow = section.section(follows).and_then(|s| follow(s, ground, platforms));
-    fixed.or(follow)
-}
-
-fn follow(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<Gate> {
-    use keys::follow as k;
-    let aim_keys = aim_keys!(follow);
-    let aim =
-        section.choice(&k::KIND).and_then(|kind| antenna::aim(&section, kind, &aim_keys, ground, platforms));
-    let lead_us = section.number(&k::LEAD_US);
-    let aim_from = section.choice(&k::AIM_FROM);
-    section.finish();
-    Some(Gate::Follow { aim: aim?, lead_s: lead_us? / 1e6, aim_from: aim_from? })
 }
 
 fn adc(section: Section<'_>) -> Option<Adc> {

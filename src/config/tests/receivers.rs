@@ -101,3 +101,25 @@ receiver.1.window.start_us: -1 is out of range; allowed: a number from 0 to 1e7 
     let channel = "channel = [{ polarisation = 'VV', transmitter = 'tx2', receiver = 'rx1' }]";
     insta::assert_snapshot!(faults(["hears = ['tx1']", ""], channel), @r#"radar.channel.0.transmitter: receiver "rx1" does not hear transmitter "tx2"; allowed: tx1 (its key hears)"#);
 }
+
+#[test]
+fn arrays_are_rows_of_receivers() {
+    let of = |array: &str| text([array, ""], "channels = [\"HH\"]");
+    let run = parse(&of("lever_arm_m = [1, 2, 3]\nphase_deg = 90.0\nclock = { drift = 1e-9 }\narray = { elements = 3, spacing_m = [0.0, 0.5, 0.0], gains_db = [1, 0, -1] }")).unwrap();
+    let receivers = &run.scene.radar.receivers;
+    let names: Vec<&str> = receivers.iter().map(|receiver| receiver.name.as_str()).collect();
+    assert_eq!(names, ["rx1-0", "rx1-1", "rx1-2", "rx2"]);
+    let starboard: Vec<f64> = receivers[..3].iter().map(|rx| rx.antenna.lever_arm.to_array()[1]).collect();
+    assert_eq!(starboard, [1.5, 2.0, 2.5]);
+    assert_eq!(receivers[2].antenna.ports.gain_db, -1.0);
+    assert_eq!(receivers[1].antenna.ports.phase_rad, 90f64.to_radians());
+    assert_eq!(run.scene.radar.channels.len(), 8);
+    let clocks = &run.clocks.receivers;
+    assert!(
+        clocks[0].is_some() && clocks[..3].iter().all(|clock| *clock == clocks[0]) && clocks[3].is_none()
+    );
+    let faults = |array: &str| parse(&of(array)).unwrap_err().to_string();
+    insta::assert_snapshot!(faults("array = { elements = 1, spacing_m = [0, 0, 0] }"), @"");
+    insta::assert_snapshot!(faults("array = { elements = 3, spacing_m = [0, 1, 0], gains_db = [1, 2], phases_deg = [1, 2, 400] }"), @"");
+    insta::assert_snapshot!(faults("name = \"x\""), @"");
+}

@@ -14,7 +14,7 @@ use crate::geometry::lanes::{
 use crate::radar::link::{LaneLink, OfPorts};
 use crate::radar::polarisation::{Axes, PortBasis, port_shares};
 use crate::scattering::lanes::{Batch, Vectors, exponential};
-use crate::scene::radar::{Polarisation, PolarisationBasis};
+use crate::scene::radar::{Polarisation, PolarisationBasis, PortErrors};
 
 /// The transmitter is met at the emission.
 const NO_DELAY: Row = [0.0; LANES];
@@ -25,14 +25,13 @@ const OVERHEAD: f32 = 1e-12;
 const NORTH: [f32; 3] = [0.0, 1.0, 0.0];
 
 /// What a channel takes of each entry of the scattering matrix, `[receive][transmit]`: products of the shares
-/// of H and V of its ports. Ports and isolations are those of transmitter and receiver.
+/// of H and V of its ports. Ports and their errors are those of transmitter and receiver.
 pub(in crate::paths) fn port_products(
     ports: [Polarisation; 2],
-    isolations_db: [Option<f64>; 2],
+    errors: [PortErrors; 2],
 ) -> [[Complex32; 2]; 2] {
-    let [c_t, c_r] = [0, 1].map(|end| {
-        port_shares(ports[end], isolations_db[end]).map(|c| Complex32::new(c.re as f32, c.im as f32))
-    });
+    let [c_t, c_r] = [0, 1]
+        .map(|end| port_shares(ports[end], errors[end]).map(|c| Complex32::new(c.re as f32, c.im as f32)));
     [0, 1].map(|r| [0, 1].map(|t| c_r[r] * c_t[t]))
 }
 

@@ -327,9 +327,9 @@ impl PathGenerator {
         scale: &Row,
         out: &mut Epoch,
     ) {
-        let isolations_db = [
-            self.radar.transmitters[plan.pair.transmitter].antenna.cross_pol_isolation_db,
-            self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db,
+        let errors = [
+            self.radar.transmitters[plan.pair.transmitter].antenna.ports,
+            self.radar.receivers[plan.pair.receiver].antenna.ports,
         ];
         let Epoch { layers, power, .. } = out;
         power.fill(0.0);
@@ -339,7 +339,7 @@ impl PathGenerator {
             let mut ports = [[[Complex32::ZERO; 2]; 2]; CHANNELS_PER_LAYER];
             let mut scales = [scale; CHANNELS_PER_LAYER];
             for ((_, tx_port, rx_port), port) in channels.clone().zip(&mut ports) {
-                *port = port_products([tx_port, rx_port], isolations_db);
+                *port = port_products([tx_port, rx_port], errors);
             }
             if let Some((rain, rows)) = &mut in_rain {
                 for (((_, tx_port, rx_port), row), own) in channels.zip(rows).zip(&mut scales) {

@@ -220,8 +220,8 @@ impl PathGenerator {
             }
             *scale *= self.gain_of(plan, emission, (batch, i), |real| with == With::Gains || !real);
         }
-        let tx_leak = self.radar.transmitters[plan.pair.transmitter].antenna.cross_pol_isolation_db;
-        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.cross_pol_isolation_db;
+        let tx_leak = self.radar.transmitters[plan.pair.transmitter].antenna.ports;
+        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.ports;
         for &(channel, tx_port, rx_port) in &plan.channels {
             let column = &mut paths.amplitude[channel];
             if tx_pol.is_some_and(|port| port != tx_port) {
