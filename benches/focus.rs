@@ -29,13 +29,23 @@ fn focus(c: &mut Criterion) {
     };
     let (transmitter, receiver) = (line(-6000.0), line(-3000.0));
     let replica = sweep(34);
-    let shape =
-        PulseShape { replica: &replica, sample_rate_hz: 100e6, bandwidth_hz: 60e6, pulse_s: 0.333e-6 };
+    let shape = PulseShape {
+        replica: &replica,
+        turns: 1,
+        sample_rate_hz: 100e6,
+        bandwidth_hz: 60e6,
+        pulse_s: 0.333e-6,
+    };
     let compressor = Compressor::new(shape, SAMPLES, RangeFilter::Matched, Taper::Uniform, 16).unwrap();
     let samples = sweep(SAMPLES);
     let echoes = |count: usize| -> Vec<PulseEcho> {
-        let echo =
-            |t: &f64| PulseEcho { emission_s: *t, window_start_s: 35.0e-6, weight: 1.0, samples: &samples };
+        let echo = |t: &f64| PulseEcho {
+            emission_s: *t,
+            number: 0,
+            window_start_s: 35.0e-6,
+            weight: 1.0,
+            samples: &samples,
+        };
         times_s.iter().take(count).map(echo).collect()
     };
     let aperture = |count: usize| Aperture {

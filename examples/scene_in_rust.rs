@@ -20,8 +20,8 @@ use nereus::nav::TrackSource;
 use nereus::pipeline::build;
 use nereus::pulse::{Pulse, Samples};
 use nereus::scene::radar::{
-    Aim, AimFrom, AntennaMount, Channel, Gate, Pattern, Pointing, Polarisation, Radar, Receiver, Sweep,
-    Transmitter, Waveform, Window,
+    Aim, AimFrom, AntennaMount, Channel, Gate, Pattern, Pointing, Polarisation, PortErrors, Radar, Receiver,
+    Sweep, Transmitter, Waveform, Window,
 };
 use nereus::scene::{Scene, Target};
 use nereus::time::{PulseTimes, TimeTag};
@@ -44,7 +44,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
             lag_s: 0.0,
             bias_rad: [0.0, 0.0],
         },
-        cross_pol_isolation_db: None,
+        ports: PortErrors::default(),
     };
     let vv =
         Channel { name: "VV".into(), transmitter: 0, receiver: 0, tx: Polarisation::V, rx: Polarisation::V };

@@ -95,6 +95,13 @@ fn every_listed_key_is_read_and_every_read_key_is_listed() {
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', lat_deg = 1, lon_deg = 2, lead_us = 1 }")]),
         (SPACEBORNE, &[("radar.window.follow", "{ kind = 'at', position_m = [0, 0, 0], lead_us = 1 }")]),
         (COASTAL, &[("receiver.0.window", "{ start_us = 3 }"), ("receiver.0.hears", "['tower']")]),
+        (
+            COASTAL,
+            &[(
+                "receiver.0.array",
+                "{ elements = 2, spacing_m = [0, 1, 0], gains_db = [0, 1], phases_deg = [0, 1] }",
+            )],
+        ),
         (COASTAL, &[("emitter", EMITTER)]),
         (
             COASTAL,

@@ -398,7 +398,7 @@ mod tests {
         let compressor = compressor(4e-6, RangeFilter::Flat, Taper::Uniform, 16);
         let window = sweep(4e-6, 200.0 / RATE_HZ, 0.0, 1024);
         let cells = compressor.compress(&window, 0, 0.0);
-        let spectrum = compressor.spectrum(&window, 0.0);
+        let spectrum = compressor.spectrum(&window, 0, 0.0);
         let exact = |lag: f64| -> Complex64 {
             let len = spectrum.len();
             let signed = |k: usize| if k < len / 2 { k as f64 } else { k as f64 - len as f64 };
@@ -424,7 +424,7 @@ mod tests {
     fn a_flat_filter_leaves_a_sinc_of_any_pulse() {
         for pulse_s in [0.333e-6, 4e-6] {
             let compressor = compressor(pulse_s, RangeFilter::Flat, Taper::Uniform, 16);
-            let cells = compressor.compress(&sweep(pulse_s, 200.0 / RATE_HZ, 0.0, 1024), 0.0);
+            let cells = compressor.compress(&sweep(pulse_s, 200.0 / RATE_HZ, 0.0, 1024), 0, 0.0);
             for lag in -40..=40i32 {
                 let x = PI * BAND_HZ * f64::from(lag) / (16.0 * RATE_HZ);
                 let sinc = if lag == 0 { 1.0 } else { x.sin() / x };

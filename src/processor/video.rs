@@ -183,7 +183,7 @@ mod tests {
             Compressor::new(pulse, 400, RangeFilter::Matched, Taper::Taylor, OVERSAMPLING).unwrap();
         let wanted = compressor.compress(&window, 0, 0.0);
         let mut detector = Detector::new(pulse, 400, 1.0 / RATE_HZ, false).unwrap();
-        detector.compress(window.iter().copied());
+        detector.compress(window.iter().copied(), 0);
         let worst = wanted.iter().zip(&detector.fine).map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
         println!("worst {worst:.1e}");
         assert!(worst < 1e-6);

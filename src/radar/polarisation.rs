@@ -166,8 +166,14 @@ mod tests {
         let basis = Basis::of(k);
         let antenna = PortBasis::ludwig3(Axes::IDENTITY);
         for port in PORTS {
-            let clean = field(&antenna, port, None, k, &basis);
-            let leaky = field(&antenna, port, Some(20.0), k, &basis);
+            let clean = field(&antenna, port, PortErrors::default(), k, &basis);
+            let leaky = field(
+                &antenna,
+                port,
+                PortErrors { isolation_db: Some(20.0), ..PortErrors::default() },
+                k,
+                &basis,
+            );
             let power = |e: [Complex64; 2]| e[0].norm_sqr() + e[1].norm_sqr();
             let wanted = (clean[0].conj() * leaky[0] + clean[1].conj() * leaky[1]).norm();
             assert!((power(clean) - 1.0).abs() < 1e-15 && (power(leaky) - 1.0).abs() < 1e-15);

@@ -56,8 +56,13 @@ fn late_in_a_long_window_an_image_is_as_good_as_early() {
         .map(|i| f64::from(i) / RATE_HZ - 0.5e-6)
         .map(|t| Complex32::cis((std::f64::consts::PI * BAND_HZ / 1e-6 * t * t) as f32))
         .collect();
-    let shape =
-        PulseShape { replica: &replica, sample_rate_hz: RATE_HZ, bandwidth_hz: BAND_HZ, pulse_s: 1e-6 };
+    let shape = PulseShape {
+        replica: &replica,
+        turns: 1,
+        sample_rate_hz: RATE_HZ,
+        bandwidth_hz: BAND_HZ,
+        pulse_s: 1e-6,
+    };
     let compressor = Compressor::new(shape, samples, RangeFilter::Flat, Taper::Uniform, 16).unwrap();
     let ground = Ground::map([0.0; 3], [17.0, 5.0], 1.0).unwrap();
     for first in [300, 99_000] {
@@ -72,7 +77,13 @@ fn late_in_a_long_window_an_image_is_as_good_as_early() {
             centre_m: [0.0; 3],
             gate: None,
         };
-        let echo = |t: &f64| PulseEcho { emission_s: *t, window_start_s: 0.0, weight: 1.0, samples: &window };
+        let echo = |t: &f64| PulseEcho {
+            emission_s: *t,
+            number: 0,
+            window_start_s: 0.0,
+            weight: 1.0,
+            samples: &window,
+        };
         aperture.pulses = times_s.iter().map(echo).collect();
         for i in 0..aperture.pulses.len() {
             let delay_s = aperture.delay_s(&aperture.pulses[i], [0.0; 3]);

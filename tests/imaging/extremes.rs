@@ -86,13 +86,15 @@ fn image(case: &Case) -> Result<usize, TestCaseError> {
     };
     let (transmitter, receiver) = (line(case.start, case.speed), line(case.other, [0.0; 3]));
     let replica: Vec<Complex32> = (0..9).map(|i| Complex32::cis(0.3 * (i * i) as f32)).collect();
-    let shape = PulseShape { replica: &replica, sample_rate_hz: RATE_HZ, bandwidth_hz: 6e7, pulse_s: 9e-8 };
+    let shape =
+        PulseShape { replica: &replica, turns: 1, sample_rate_hz: RATE_HZ, bandwidth_hz: 6e7, pulse_s: 9e-8 };
     let filter = if case.flat { RangeFilter::Flat } else { RangeFilter::Matched };
     let taper = [Taper::Uniform, Taper::Hann, Taper::Taylor, Taper::Kaiser][case.taper];
     let compressor = Compressor::new(shape, case.samples, filter, taper, 8).unwrap();
     let window: Vec<Complex32> = (0..case.samples).map(|i| Complex32::cis(i as f32)).collect();
     let ground = Ground::map([0.0; 3], [7.0 * case.pixel_m, 5.0 * case.pixel_m], case.pixel_m).unwrap();
-    let echo = |t: &f64| PulseEcho { emission_s: *t, window_start_s: 0.0, weight: 1.0, samples: &window };
+    let echo =
+        |t: &f64| PulseEcho { emission_s: *t, number: 0, window_start_s: 0.0, weight: 1.0, samples: &window };
     let mut aperture = Aperture {
         carrier_hz: 1e10,
         compressor: &compressor,

@@ -181,12 +181,7 @@ pub fn record_and<T>(scenario: &str, read: impl FnOnce(&Path) -> T) -> T {
 
 pub fn compressor(recording: &Recording, filter: RangeFilter, taper: Taper) -> Compressor {
     let header = &recording.header;
-    let shape = PulseShape {
-        replica: &header.replica,
-        sample_rate_hz: header.sample_rate_hz,
-        bandwidth_hz: header.bandwidth_hz,
-        pulse_s: header.pulse_s,
-    };
+    let shape = PulseShape::of(header);
     let cells = oversampling(header.bandwidth_hz, header.sample_rate_hz, -60.0);
     Compressor::new(shape, header.layout.samples, filter, taper, cells).unwrap()
 }
@@ -207,6 +202,7 @@ pub fn aperture<'a>(
             .filter(|pulse| recording.is_illuminated(*pulse, channel))
             .map(|pulse| PulseEcho {
                 emission_s: recording.emission_s[pulse],
+                number: recording.index[pulse],
                 window_start_s: recording.window_start_s[pulse],
                 weight: 1.0,
                 samples: recording.window(pulse, channel),

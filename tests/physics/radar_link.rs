@@ -301,7 +301,7 @@ fn roll_turns_the_polarisation() {
 fn ports_leak_as_much_as_they_say() {
     let mut scene = scene();
     scene.radar.receivers[0].antenna.platform = 0;
-    scene.radar.transmitters[0].antenna.cross_pol_isolation_db = Some(30.0);
+    scene.radar.transmitters[0].antenna.ports.isolation_db = Some(30.0);
     let tracks = [straight(&scene, [0.0, -3e3, 3e3], [0.0; 3]), straight(&scene, [0.0, -3e3, 3e3], [0.0; 3])];
     let [hh, _, vh, _] = amplitudes(&scene, &tracks)[..] else { panic!("four channels") };
     // H leaves with V at -30 dB beside it.

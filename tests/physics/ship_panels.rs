@@ -235,7 +235,7 @@ fn panels_side_by_side_are_as_one_by_one() {
         scene.frame = SceneFrame::plain(if n == 0 { EARTH } else { Earth::Flat }).with_horizon(n == 0);
         scene.radar.transmitters[0].antenna.pattern = pattern.clone();
         scene.radar.receivers[0].antenna.pattern = patterns[(n + 1) % patterns.len()].clone();
-        scene.radar.receivers[0].antenna.cross_pol_isolation_db = Some(20.0);
+        scene.radar.receivers[0].antenna.ports.isolation_db = Some(20.0);
         scene.radar.channels = channels(&[(H, H), (V, H), (R, V), (L, R)]);
         let tracks = vec![
             straight(&scene, [-900.0, 400.0, 300.0], [200.0, 30.0, 5.0]),

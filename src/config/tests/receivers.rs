@@ -104,8 +104,12 @@ receiver.1.window.start_us: -1 is out of range; allowed: a number from 0 to 1e7 
 
 #[test]
 fn arrays_are_rows_of_receivers() {
-    let of = |array: &str| text([array, ""], "channels = [\"HH\"]");
-    let run = parse(&of("lever_arm_m = [1, 2, 3]\nphase_deg = 90.0\nclock = { drift = 1e-9 }\narray = { elements = 3, spacing_m = [0.0, 0.5, 0.0], gains_db = [1, 0, -1] }")).unwrap();
+    const HH: &str = "channels = [\"HH\"]";
+    let array = "lever_arm_m = [1, 2, 3]
+        phase_deg = 90.0
+        clock = { drift = 1e-9 }
+        array = { elements = 3, spacing_m = [0.0, 0.5, 0.0], gains_db = [1, 0, -1] }";
+    let run = parse(&text([array, ""], HH), Path::new("two.toml"), &[]).unwrap();
     let receivers = &run.scene.radar.receivers;
     let names: Vec<&str> = receivers.iter().map(|receiver| receiver.name.as_str()).collect();
     assert_eq!(names, ["rx1-0", "rx1-1", "rx1-2", "rx2"]);
@@ -118,8 +122,19 @@ fn arrays_are_rows_of_receivers() {
     assert!(
         clocks[0].is_some() && clocks[..3].iter().all(|clock| *clock == clocks[0]) && clocks[3].is_none()
     );
-    let faults = |array: &str| parse(&of(array)).unwrap_err().to_string();
-    insta::assert_snapshot!(faults("array = { elements = 1, spacing_m = [0, 0, 0] }"), @"");
-    insta::assert_snapshot!(faults("array = { elements = 3, spacing_m = [0, 1, 0], gains_db = [1, 2], phases_deg = [1, 2, 400] }"), @"");
-    insta::assert_snapshot!(faults("name = \"x\""), @"");
+    insta::assert_snapshot!(faults(["array = { elements = 1, spacing_m = [0, 0, 0] }", ""], HH), @"
+receiver.0.array.elements: 1 is out of range; allowed: a whole number from 2 to 64
+receiver.0.array.spacing_m: no distance is not allowed; allowed: a distance between elements
+");
+    let lists =
+        "array = { elements = 3, spacing_m = [0, 1, 0], gains_db = [1, 2], phases_deg = [1, 2, 400] }";
+    insta::assert_snapshot!(faults([lists, ""], HH), @"
+receiver.0.array.gains_db: 2 numbers is not allowed; allowed: one for each of the 3 elements
+receiver.0.array.phases_deg: entry 2, 400, is out of range; allowed: a list of 2 to 64 numbers from -360 to 360 deg
+");
+    insta::assert_snapshot!(faults(["array = {}", "gain_db = 61"], HH), @"
+receiver.0.array.elements: is missing; required: a whole number from 2 to 64
+receiver.0.array.spacing_m: is missing; required: a list of 3 numbers from -10000 to 10000 m
+receiver.1.gain_db: 61 is out of range; allowed: a number from -60 to 60 dB
+");
 }

@@ -18,6 +18,8 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
         "{ kind = 'nlfm', bandwidth_hz = 50e6, pulse_s = 1e-6 }",
         "{ kind = 'phase-code', code = 'p4', chips = 20, chip_s = 2e-8 }",
         "{ kind = 'phase-code', code = 'm-sequence', register = 5, chip_s = 2e-8 }",
+        "{ kind = 'stepped', steps = 4, step_hz = 1e6, pulse_s = 1e-6 }",
+        "{ kind = 'in-turn', waveforms = [{ kind = 'cw', pulse_s = 1e-6 }, { kind = 'cw', pulse_s = 1e-6, offset_hz = 1e6 }] }",
     ]
     .map(|waveform| vec![("radar.waveform", waveform)])
     .into_iter()
@@ -94,10 +96,18 @@ fn pulses_leave_in_turn() {
     let droops = Waveform::Drooping { of: Box::new(cw(2e-6)), droop_db: 1.0 };
     assert_eq!(two, Waveform::InTurn { of: vec![cw(1e-6), at(droops, 1e7)], stepped: false });
     assert_eq!((two.turns(), two.duration_s()), (2, Some(2e-6)));
-    insta::assert_snapshot!(faults("{ kind = 'in-turn', waveforms = [{ kind = 'cw', pulse_s = 1e-6 }], droop_db = 1.0 }"), @"");
-    insta::assert_snapshot!(faults("{ kind = 'in-turn', waveforms = [{ kind = 'noise', bandwidth_hz = 1e6 }, { kind = 'stepped', steps = 2, step_hz = 0, pulse_s = 1e-6 }, { kind = 'lfm', bandwidth_hz = 6e7, pulse_s = 1e-6, offset_hz = 3e7 }] }"), @"");
-    insta::assert_snapshot!(faults("{ kind = 'stepped', steps = 1, step_hz = 1e6, pulse_s = 1e-6, offset_hz = 1.0 }"), @"");
-    insta::assert_snapshot!(faults("{ kind = 'stepped', steps = 100, step_hz = 1e6, pulse_s = 1e-6 }"), @"");
+    insta::assert_snapshot!(faults("{ kind = 'in-turn', waveforms = [{ kind = 'cw', pulse_s = 1e-6 }], droop_db = 1.0 }"), @"radar.waveform.waveforms: 1 of them is not allowed; allowed: 2 to 1024 pulses");
+    insta::assert_snapshot!(faults("{ kind = 'in-turn', waveforms = [{ kind = 'noise', bandwidth_hz = 1e6 }, { kind = 'stepped', steps = 2, step_hz = 0, pulse_s = 1e-6 }, { kind = 'lfm', bandwidth_hz = 6e7, pulse_s = 1e-6, offset_hz = 3e7 }] }"), @r#"
+radar.waveform.waveforms.0.kind: kind = "noise" among waveforms is not allowed; allowed: pulses, which end
+radar.waveform.waveforms.1.kind: kind = "stepped" among waveforms is not allowed; allowed: a single pulse
+radar.waveform.waveforms.1.step_hz: 0 Hz is not allowed; allowed: a step that is not 0
+radar.waveform.waveforms.2.offset_hz: a band from 0 to 6e7 Hz about the carrier is not allowed; allowed: within 5e7 Hz of it: half of sample_rate_hz
+"#);
+    insta::assert_snapshot!(faults("{ kind = 'stepped', steps = 1, step_hz = 1e6, pulse_s = 1e-6, offset_hz = 1.0 }"), @r#"
+radar.waveform.steps: 1 is out of range; allowed: a whole number from 2 to 1024
+radar.waveform.offset_hz: not allowed here (kind = "stepped")
+"#);
+    insta::assert_snapshot!(faults("{ kind = 'stepped', steps = 120, step_hz = 1e6, pulse_s = 1e-6 }"), @"radar.waveform.step_hz: a band from -6e7 to 6e7 Hz about the carrier is not allowed; allowed: within 5e7 Hz of it: half of sample_rate_hz");
 }
 
 /// What the reader allows is what there is.
