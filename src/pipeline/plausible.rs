@@ -50,16 +50,18 @@ pub(super) fn faults(prepared: &Prepared) -> Vec<BuildError> {
             faults.push(BuildError::BelowSea { antenna, platform, depth_m, pulse, swapped });
         }
     }
-    if let (Waveform::Samples { path, .. }, Ok(waveform)) =
-        (scene.radar.waveform.level(), prepared.waveform())
-    {
-        let (pulse_s, pri_s) = (waveform.duration_s(), scene.radar.sends().shortest_pri_s());
-        if pulse_s > pri_s * (1.0 + 1e-9) {
-            faults.push(BuildError::LongPulse {
-                path: path.clone(),
-                pulse_us: pulse_s * 1e6,
-                pri_us: pri_s * 1e6,
-            });
+    if let Ok(waveform) = prepared.waveform() {
+        for (n, pulse) in scene.radar.waveform.pulses().iter().enumerate() {
+            let Waveform::Samples { path, .. } = pulse.level() else { continue };
+            let own = waveform.in_turn().get(n).unwrap_or(waveform);
+            let (pulse_s, pri_s) = (own.duration_s(), scene.radar.sends().shortest_pri_s());
+            if pulse_s > pri_s * (1.0 + 1e-9) {
+                faults.push(BuildError::LongPulse {
+                    path: path.clone(),
+                    pulse_us: pulse_s * 1e6,
+                    pri_us: pri_s * 1e6,
+                });
+            }
         }
     }
     faults

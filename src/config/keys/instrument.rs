@@ -27,7 +27,7 @@ tables! {
         CALIBRATION "calibration", Sections(&calibration::TABLE), Means("none"), "Channels with signals known in closed form, behind all others.";
         DIRECT_PATH "direct_path", Kind::Flag, Flag(false), "Whether the direct path from transmitter to receiver is received.";
     }
-    waveform "[radar.waveform], [emitter.waveform] and their waveforms" "What is radiated, at unit amplitude." {
+    waveform "[radar.waveform] and [emitter.waveform]" "What is radiated, at unit amplitude; and each of the waveforms of kind = \"in-turn\"." {
         KIND "kind", Choice(words::<WaveformKind>), Required, "Linear or nonlinear frequency modulation, a plain pulse of the carrier, a phase code, samples of a pulse from a file, steps of frequency or other pulses in turn (docs/waveforms.md), or a continuous signal: noise, television, FM broadcast, a GPS code, a recording, of which every emission radiates the next segment (docs/continuous.md).";
         BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e11), Required, "lfm, nlfm: swept bandwidth; stepped: swept within each step, a plain pulse without it; noise: bandwidth, between points of a quarter of the power density; dvb-t: the channel, 6e6, 7e6 or 8e6.";
         PULSE_S "pulse_s", above("s", 0.0, 10.0), Required, "lfm, nlfm, cw, stepped: pulse length.";

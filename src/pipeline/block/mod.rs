@@ -298,13 +298,10 @@ impl BlockEcho {
             self.join((index, pulse), generator, memory, spectrum, work)?;
             return Ok(());
         }
-        let BlockWork { made, frame, grids, scratch, received, of_turns, .. } = &mut *work;
+        let BlockWork { made, frame, grids, scratch, of_turns, .. } = &mut *work;
         let at = (index - made.start) as usize;
         let number = generator.number_of(index);
         if let Some(own) = self.synth.in_turn(number) {
-            if self.part > 1 && !received.is_alone() {
-                return Err(PulseError::SeveralInTurn { pulse: index });
-            }
             let turn = number % self.synth.turns();
             let replicas = of_turns.entry(turn).or_insert_with(|| {
                 let mut replicas = Vec::new();
@@ -345,6 +342,9 @@ impl BlockEcho {
         (work.spread, work.silent) = (0, false);
         if self.part == 1 || !self.receives(generator, first..end, memory, work)? {
             return self.prepare_single(generator, index, pulse, memory, work);
+        }
+        if self.joint.is_none() && self.synth.turns() > 0 && !work.received.is_alone() {
+            return Err(PulseError::SeveralInTurn { pulse: index });
         }
         // Grids are those of pulses, or of the emissions at hand.
         let mut gridded = first..end;
@@ -438,6 +438,9 @@ impl BlockEcho {
     ) -> Result<Range<u64>, PulseError> {
         let paths = &mut work.nodes[0];
         generator.pulse(index, memory, paths, pulse)?;
+        if self.synth.turns() > 0 {
+            receives_one(index, paths)?;
+        }
         let node = Node { pulse: 0, paths };
         self.synth.fill_in(&[node], pulse.window_starts_s().as_chunks::<1>().0, &mut work.part)?;
         check(work.part.found())?;

@@ -321,14 +321,22 @@ impl Waveform {
         }
     }
 
-    /// How many pulses there are in turn; 1 of all others.
-    pub fn turns(&self) -> usize {
-        if let Self::InTurn { of, .. } = self { of.len() } else { 1 }
+    /// The pulses in turn; of all others itself.
+    pub fn pulses(&self) -> &[Self] {
+        if let Self::InTurn { of, .. } = self { of } else { std::slice::from_ref(self) }
     }
 
-    /// The pulse without droop.
+    /// How many pulses there are in turn; 1 of all others.
+    pub fn turns(&self) -> usize {
+        self.pulses().len()
+    }
+
+    /// The pulse without droop, wherever its carrier is.
     pub fn level(&self) -> &Self {
-        if let Self::Drooping { of, .. } = self { of } else { self }
+        match self {
+            Self::Drooping { of, .. } | Self::Offset { of, .. } => of.level(),
+            other => other,
+        }
     }
 
     /// The kind as recordings and streams name it.
