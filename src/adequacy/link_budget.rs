@@ -27,6 +27,7 @@ use glam::{DMat3, DVec3};
 use serde::Serialize;
 
 use super::description::{Described, described};
+use super::pulse_length::seconds_of_pulse;
 use crate::frames::{Earth, Vector};
 use crate::geometry::bistatic::Basis;
 use crate::geometry::horizon;
@@ -41,7 +42,6 @@ use crate::radar::link::Link;
 use crate::radar::pattern::{GridPattern, Quantity};
 use crate::radar::polarisation::{PortBasis, field};
 use crate::radar::receiver::thermal_noise_w;
-use crate::radar::waveform::Waveform;
 use crate::scattering::target::Scatterer;
 use crate::scene::Target;
 use crate::scene::radar::{AntennaMount, Channel, Pair, PolarisationBasis, Radar, TxPolarisation};
@@ -57,10 +57,6 @@ pub const MOST: u64 = 257;
 const PATHS: u64 = 8192;
 /// Targets that the text names.
 const MOST_NAMED: usize = 12;
-/// Lobes of the spectrum of a plain pulse that are looked at, beyond its band.
-const LOBES: f64 = 64.0;
-/// Frequencies at which the spectrum of the pulse is taken: at least, at most.
-const FREQUENCIES: [usize; 2] = [256, 16_384];
 
 /// The link of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -205,40 +201,6 @@ fn least_share(radar: &Radar) -> f64 {
         sequence.iter().filter(|port| **port == channel.tx).count() as f64 / sequence.len().max(1) as f64
     };
     radar.channels.iter().map(share).fold(1.0, f64::min)
-}
-
-/// `E_2^2 / E_4`, s: the length of a pulse in band; of pulses in turn, the mean.
-fn seconds_of_pulse(waveform: &dyn Waveform, radar: &Radar) -> f64 {
-    let pulses = waveform.in_turn();
-    if !pulses.is_empty() {
-        let all: f64 = pulses.iter().map(|pulse| seconds_of_one(pulse.as_ref(), radar, f64::INFINITY)).sum();
-        return all / pulses.len() as f64;
-    }
-    seconds_of_one(waveform, radar, waveform.bandwidth_hz() + LOBES * waveform.lobe_hz())
-}
-
-/// The same of one pulse in a band, Hz.
-fn seconds_of_one(waveform: &dyn Waveform, radar: &Radar, band_hz: f64) -> f64 {
-    if radar.dechirp.is_some() {
-        // A tone.
-        return waveform.duration_s().min(radar.window.samples as f64 / radar.sample_rate_hz);
-    }
-    let filter = ReceiveFilter::new(radar.sample_rate_hz);
-    // Beyond the band by many lobes there is next to nothing, and the squared spectrum is that of an
-    // autocorrelation of length 2 Tc: a long sweep, which needs more frequencies, is smooth within its band.
-    let duration_s = waveform.duration_s();
-    let band_hz = radar.sample_rate_hz.min(band_hz);
-    let count = ((2.0 * duration_s * band_hz).ceil() as usize).clamp(FREQUENCIES[0], FREQUENCIES[1]);
-    let step_hz = band_hz / count as f64;
-    let [mut first, mut second] = [0.0; 2];
-    for k in 0..count {
-        let f_hz = (k as f64 + 0.5) * step_hz - 0.5 * band_hz;
-        let passed = filter.response(f_hz).powi(2);
-        let density = waveform.spectrum(f_hz).norm_sqr() * passed;
-        first += density * step_hz;
-        second += density * passed * step_hz;
-    }
-    if second > 0.0 { first * first / second } else { 0.0 }
 }
 
 /// Width of the main lobe between half of the power on the boresight, towards an axis and away from it.

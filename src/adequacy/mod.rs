@@ -28,6 +28,7 @@ pub mod hidden_targets;
 pub mod emitter_budget;
 pub mod link_budget;
 pub mod polarisation;
+mod pulse_length;
 mod ships;
 
 use serde::Serialize;

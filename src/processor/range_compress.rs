@@ -118,8 +118,8 @@ pub struct Compressor {
 /// What a pulse looks like.
 #[derive(Clone, Copy, Debug)]
 pub struct PulseShape<'a> {
-    /// As transmitted and filtered by the receiver, from its start, one entry per sample; of pulses in turn one
-    /// after the other.
+    /// As transmitted and filtered by the receiver, from its start, one entry per sample; of pulses in turn
+    /// one after the other.
     pub replica: &'a [Complex32],
     /// Pulses in turn; 1 of a radar whose pulses are alike.
     pub turns: usize,
@@ -270,8 +270,8 @@ impl Compressor {
         }
     }
 
-    /// Spectrum of the compressed window of pulse `number`: bin `k` belongs to the frequency `k fs/N`, the upper half negative,
-    /// and `C(lag) = sum_k spectrum[k] e^{j 2 pi f_k lag / fs}`.
+    /// Spectrum of the compressed window of pulse `number`: bin `k` belongs to the frequency `k fs/N`, the
+    /// upper half negative, and `C(lag) = sum_k spectrum[k] e^{j 2 pi f_k lag / fs}`.
     pub fn spectrum(&self, window: &[Complex32], number: u64, doppler_hz: f64) -> Vec<Complex64> {
         let (replica, scale) = self.replica_of(number);
         let mut echo = window.iter().take(self.samples).map(|z| Complex64::new(z.re.into(), z.im.into()));

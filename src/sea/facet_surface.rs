@@ -130,6 +130,23 @@ impl<T: Real> FacetSurface<T> {
     /// # Errors
     /// Fields of another size, or a time that is out of reach.
     pub fn evaluate(&mut self, time_s: f64, patch: &Patch, out: &mut Fields<T>) -> Result<(), WakeError> {
+        self.evaluate_linear(time_s, patch, out)?;
+        self.make_choppy(out);
+        self.add_wakes(time_s, patch, out)?;
+        self.lay_land(patch, out);
+        Ok(())
+    }
+
+    /// The linear waves of the wind alone.
+    ///
+    /// # Errors
+    /// Those of [`Self::evaluate`].
+    pub(crate) fn evaluate_linear(
+        &mut self,
+        time_s: f64,
+        patch: &Patch,
+        out: &mut Fields<T>,
+    ) -> Result<(), WakeError> {
         let grid = &self.grid;
         if patch.facets == [grid.nx(), grid.ny()] {
             let first = grid.index(patch.first);
@@ -156,17 +173,40 @@ impl<T: Real> FacetSurface<T> {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// Linear waves become choppy ones, if the sea has them.
+    pub(crate) fn make_choppy(&self, out: &mut Fields<T>) {
         if let Some(choppy) = &self.choppy {
             choppy.apply(out);
         }
-        if let Some(wakes) = &mut self.wakes {
-            wakes.add(time_s, patch, out)?;
-        }
+    }
+
+    /// Adds the waves of ships to the fields that have room.
+    ///
+    /// # Errors
+    /// Those of [`Self::evaluate`].
+    pub(crate) fn add_wakes(
+        &mut self,
+        time_s: f64,
+        patch: &Patch,
+        out: &mut Fields<T>,
+    ) -> Result<(), WakeError> {
+        self.wakes.as_mut().map_or(Ok(()), |wakes| wakes.add(time_s, patch, out))
+    }
+
+    /// Whether ships have waves here.
+    pub(crate) fn has_wakes(&self) -> bool {
+        self.wakes.is_some()
+    }
+
+    /// Land in place of water.
+    pub(crate) fn lay_land(&mut self, patch: &Patch, out: &mut Fields<T>) {
         if let Some(land) = &mut self.land {
             land.place(patch);
             land.lay(out);
         }
-        Ok(())
     }
 }
 

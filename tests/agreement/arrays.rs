@@ -63,8 +63,8 @@ fn channels(pulse: &Pulse, count: usize) -> Vec<Vec<Complex64>> {
     own.map(|own| own.iter().map(|s| Complex64::new(s.re.into(), s.im.into())).collect()).collect()
 }
 
-/// A target's echo in element `n` beside that in element 0: the phase of the difference of distances, gain and
-/// phase as written; forward is North, starboard East.
+/// A target's echo in element `n` beside that in element 0: the phase of the difference of distances, gain
+/// and phase as written; forward is North, starboard East.
 #[test]
 fn elements_differ_by_geometry_and_errors() {
     let array = format!(

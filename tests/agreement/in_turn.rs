@@ -1,5 +1,5 @@
-//! Waveforms in turn: emission `k` radiates its own pulse, in windows, in blocks and from emitters. Against runs of
-//! each pulse alone, against a radar of another carrier, and against the reference.
+//! Waveforms in turn: emission `k` radiates its own pulse, in windows, in blocks and from emitters. Against
+//! runs of each pulse alone, against a radar of another carrier, and against the reference.
 
 use std::f64::consts::TAU;
 

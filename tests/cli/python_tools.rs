@@ -39,8 +39,8 @@ fn baseline_agrees_with_the_recording_and_is_timed() {
     let printed = text(&ended.stdout);
     assert!(ended.status.success(), "{printed}{}", text(&ended.stderr));
     let report: serde_json::Value = serde_json::from_str(printed.trim()).unwrap();
-    // 256 facets and a buoy.
-    assert_eq!(report["paths"], 257);
+    // 256 facets, a buoy, and a wave or two that break.
+    assert!(report["paths"].as_u64().is_some_and(|paths| (257..=260).contains(&paths)), "{report}");
     let error = |way: &str, of: &str| report["error_db"][way][of].as_f64();
     // What the receive filter takes from one chirp of 60 MHz is -20.3 dB of it. Here the echoes of a few
     // resolution cells of random phase add up, so that the share scatters from pulse to pulse: 6 dB are left

@@ -11,7 +11,8 @@
 //!
 //! all of them through its values at the **nodes**: one to four pulses of the block at which it was evaluated
 //! in full. The part of its Doppler that is not the mean's is put into phase and place at the nodes
-//! ([`doppler`](super::doppler)), so it follows the rate as it changes. Everything is computed in f64 and rounded last.
+//! ([`doppler`](super::doppler)), so it follows the rate as it changes. Everything is computed in f64 and
+//! rounded last.
 //!
 //! **Errors.** With 4 nodes over a block of half length `Th` the range remainder is at most
 //! `max |R''''| Th^4 / 24`; with 3 nodes `0.064 max|R'''| Th^3` (ends and middle); see `docs/physics.md`

@@ -295,8 +295,8 @@ impl Waveform {
         }
     }
 
-    /// Bandwidth, Hz: swept, `1/Tc` of a plain pulse, one over a chip of a code, of pulses in turn from the lower
-    /// end of all bands to the upper; `None` where a file has it.
+    /// Bandwidth, Hz: swept, `1/Tc` of a plain pulse, one over a chip of a code, of pulses in turn from the
+    /// lower end of all bands to the upper; `None` where a file has it.
     pub fn bandwidth_hz(&self) -> Option<f64> {
         match self {
             Self::Lfm { bandwidth_hz, .. }

@@ -201,6 +201,11 @@ impl<T: Real> Fields<T> {
         }
     }
 
+    /// Still water.
+    pub(crate) fn clear(&mut self) {
+        self.columns_mut().into_iter().for_each(|column| column.fill(T::default()));
+    }
+
     /// All fields, one after the other.
     pub(in crate::sea) fn columns(&self) -> [&[T]; 20] {
         all_columns!(self, Vec::as_slice)
@@ -213,10 +218,17 @@ impl<T: Real> Fields<T> {
 }
 
 impl Fields<f32> {
-    /// Takes over fields of double precision, each rounded once.
+    /// Takes over fields of double precision, those that there are, each rounded once.
     pub(crate) fn round_from(&mut self, fine: &Fields<f64>) {
         for (own, fine) in self.columns_mut().into_iter().zip(fine.columns()) {
             own.iter_mut().zip(fine).for_each(|(own, fine)| *own = *fine as f32);
+        }
+    }
+
+    /// Adds fields of double precision, rounding each sum once.
+    pub(crate) fn add_rounded(&mut self, fine: &Fields<f64>) {
+        for (own, fine) in self.columns_mut().into_iter().zip(fine.columns()) {
+            own.iter_mut().zip(fine).for_each(|(own, fine)| *own = (f64::from(*own) + fine) as f32);
         }
     }
 }
