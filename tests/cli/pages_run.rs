@@ -48,13 +48,12 @@ const NOT_RUN: [(&str, &str); 24] = [
 ];
 
 /// What a page expects to be there, as commands.
-const BEFORE: [(&str, &str); 7] = [
+const BEFORE: [(&str, &str); 6] = [
     ("docs/tutorial.md", "nereus run configs/quickstart.toml"),
     ("docs/reading.md", "nereus run configs/quickstart.toml"),
     ("docs/recording.md", "nereus run configs/coastal.toml --out rec.h5"),
     ("docs/recording.md", "nereus run configs/monostatic.toml --out rec"),
     ("docs/continuous.md", "nereus run configs/continuous.toml --out continuous.h5"),
-    ("docs/emitters.md", "nereus run configs/interference.toml --out interference.h5"),
     ("docs/navigation.md", "nereus nav convert configs/tracks/cart.inspvax cart.nmea"),
 ];
 

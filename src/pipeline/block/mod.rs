@@ -23,6 +23,7 @@ mod doppler;
 mod exact;
 mod joint;
 mod points;
+mod spectra;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -268,21 +269,10 @@ impl BlockEcho {
         desk: &mut Desk<'_>,
         work: &mut BlockWork,
     ) -> Result<(), PulseError> {
-        let Desk { paths: generator, memory, spectrum } = desk;
-        if let (Some(band_hz), Some(bands)) = (self.band_hz(), &mut work.bands) {
-            let paths = &mut work.nodes[0];
-            generator.pulse(index, memory, paths, pulse)?;
-            let starts_s = pulse.window_starts_s();
-            let own = self.synth.in_turn(generator.number_of(index));
-            if own.is_some() {
-                receives_one(index, paths)?;
-            }
-            let found = self.synth.pulse_in_bands(own, paths, starts_s, band_hz, bands, spectrum)?;
-            check(found)?;
-            memory.costs.lap(Stage::Spread);
-            memory.costs.accumulated(found.spread);
-            return Ok(());
+        if let Some(band_hz) = self.band_hz() {
+            return self.fill_in_bands((index, pulse), band_hz, desk, work);
         }
+        let Desk { paths: generator, memory, spectrum } = desk;
         generator.record(index, memory, pulse)?;
         if !(work.next..work.made.end).contains(&index) {
             work.made = 0..0;
@@ -298,20 +288,7 @@ impl BlockEcho {
             self.join((index, pulse), generator, memory, spectrum, work)?;
             return Ok(());
         }
-        let BlockWork { made, frame, grids, scratch, of_turns, .. } = &mut *work;
-        let at = (index - made.start) as usize;
-        let number = generator.number_of(index);
-        if let Some(own) = self.synth.in_turn(number) {
-            let turn = number % self.synth.turns();
-            let replicas = of_turns.entry(turn).or_insert_with(|| {
-                let mut replicas = Vec::new();
-                self.synth.replicas_of(own, frame.mean_hz(), &mut replicas);
-                replicas
-            });
-            self.synth.spectrum_by(replicas, (frame, at), grids, scratch, spectrum);
-        } else {
-            self.synth.spectrum_in(frame, grids, at, scratch, spectrum);
-        }
+        self.spectrum_of((index, generator.number_of(index)), spectrum, work);
         memory.costs.lap(Stage::Transform);
         memory.costs.accumulated(work.spread);
         Ok(())
