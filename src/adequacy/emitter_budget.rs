@@ -95,10 +95,10 @@ pub fn emitter_budgets(prepared: &Prepared) -> Result<Vec<EmitterBudget>, BuildE
             let scale = lit * passes * gain(ends[0], sent) * gain(ends[1], back);
             let basis = Basis::of(sent);
             let level_w = |rx_port| {
-                let leaks = [&emitter.transmitter.antenna, &receiver.antenna];
-                let [leak_t, leak_r] = leaks.map(|of| of.ports);
-                let e_t = field(&tx.basis, emitter.polarisation, leak_t, sent, &basis);
-                let e_r = field(&rx.basis, rx_port, leak_r, back, &basis);
+                let ends = [&emitter.transmitter.antenna, &receiver.antenna];
+                let [errors_t, errors_r] = ends.map(|of| of.ports);
+                let e_t = field(&tx.basis, emitter.polarisation, errors_t, sent, &basis);
+                let e_r = field(&rx.basis, rx_port, errors_r, back, &basis);
                 let rain = link.in_rain_direct([emitter.polarisation, rx_port], &path);
                 scale * (e_r[0] * e_t[0] + e_r[1] * e_t[1]).norm_sqr() * (rain * rain)
             };

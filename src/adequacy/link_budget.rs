@@ -338,9 +338,9 @@ impl Sights<'_> {
         let channels = radar.channels.iter().enumerate().filter(of);
         channels
             .map(|(place, channel)| {
-                let leaks = [&transmitter.antenna, &receiver.antenna].map(|of| of.ports);
-                let e_t = field(&tx.basis, channel.tx, leaks[0], sent, &basis_in);
-                let e_r = field(&rx.basis, channel.rx, leaks[1], back, &basis_out);
+                let errors = [&transmitter.antenna, &receiver.antenna].map(|of| of.ports);
+                let e_t = field(&tx.basis, channel.tx, errors[0], sent, &basis_in);
+                let e_r = field(&rx.basis, channel.rx, errors[1], back, &basis_out);
                 let returned = e_r[0] * (s[0][0] * e_t[0] + s[0][1] * e_t[1])
                     + e_r[1] * (s[1][0] * e_t[0] + s[1][1] * e_t[1]);
                 let rain = link.in_rain_over([channel.tx, channel.rx], path);

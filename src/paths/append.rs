@@ -271,16 +271,16 @@ impl PathGenerator {
         let rx = self.radar.transmitters.len() + plan.pair.receiver;
         let [sent, received] = bounce.map_or([path.incident, path.scattered], |bounce| bounce.at_antennas);
         let (basis_in, basis_out) = (Basis::of(sent), Basis::of(received));
-        let tx_leak = self.radar.transmitters[tx].antenna.ports;
-        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.ports;
+        let tx_errors = self.radar.transmitters[tx].antenna.ports;
+        let rx_errors = self.radar.receivers[plan.pair.receiver].antenna.ports;
         let tx_basis = emission.basis(tx);
         let rx_basis = emission.basis_after(rx, path.delay_s, self.axes_span_s);
         for &(channel, tx_port, rx_port) in &plan.channels {
             if tx_pol.is_some_and(|port| port != tx_port) {
                 continue;
             }
-            let mut e_t = field(&tx_basis, tx_port, tx_leak, sent, &basis_in);
-            let mut e_r = field(&rx_basis, rx_port, rx_leak, -received, &basis_out);
+            let mut e_t = field(&tx_basis, tx_port, tx_errors, sent, &basis_in);
+            let mut e_r = field(&rx_basis, rx_port, rx_errors, -received, &basis_out);
             if let Some(Bounce { leaves: [of_sent, of_received], .. }) = bounce {
                 e_t = [e_t[0] * of_sent[0], e_t[1] * of_sent[1]];
                 e_r = [e_r[0] * of_received[0], e_r[1] * of_received[1]];

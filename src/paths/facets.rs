@@ -356,8 +356,8 @@ impl Chunk {
             let [vv, vh, hv, hh] = &self.matrix;
             let (tx, rx) = (plan.pair.transmitter, plan.pair.receiver);
             let tx_basis = reception.emission.basis(tx);
-            let tx_leak = reception.radar.transmitters[tx].antenna.ports;
-            let rx_leak = reception.radar.receivers[rx].antenna.ports;
+            let tx_errors = reception.radar.transmitters[tx].antenna.ports;
+            let rx_errors = reception.radar.receivers[rx].antenna.ports;
             for i in 0..count {
                 let scale = columns.scale[i];
                 if scale == Complex64::ZERO {
@@ -365,9 +365,9 @@ impl Chunk {
                 }
                 let [incident, scattered] = columns.directions(i);
                 let (basis_in, basis_out) = (Basis::of(incident), Basis::of(scattered));
-                let mut e_t = Ports::new(|port| field(&tx_basis, port, tx_leak, incident, &basis_in));
+                let mut e_t = Ports::new(|port| field(&tx_basis, port, tx_errors, incident, &basis_in));
                 let mut e_r =
-                    Ports::new(|port| field(&columns.rx_bases[i], port, rx_leak, -scattered, &basis_out));
+                    Ports::new(|port| field(&columns.rx_bases[i], port, rx_errors, -scattered, &basis_out));
                 for &(channel, tx_port, rx_port) in &plan.channels {
                     if reception.tx_pol.is_some_and(|port| port != tx_port) {
                         continue;

@@ -131,13 +131,11 @@ impl EchoWorker for ReferenceWorker<'_> {
     fn fill(&mut self, index: u64, pulse: &mut Pulse, desk: &mut Desk<'_>) -> Result<(), PulseError> {
         let Desk { paths: generator, memory, spectrum } = desk;
         generator.pulse(index, memory, &mut self.paths, pulse)?;
-        if self.echo.waveform().is_one() {
-            self.echo.spectrum_in(&self.paths, pulse.window_starts_s(), spectrum);
-        } else {
+        if !self.echo.waveform().is_one() {
             receives_one(index, &self.paths)?;
-            let number = generator.number_of(index);
-            self.echo.spectrum_of(number, &self.paths, pulse.window_starts_s(), spectrum)?;
         }
+        let number = generator.number_of(index);
+        self.echo.spectrum_of(number, &self.paths, pulse.window_starts_s(), spectrum)?;
         memory.costs.lap(Stage::Spread);
         memory.costs.accumulated(self.paths.len() * generator.pairs().len());
         Ok(())

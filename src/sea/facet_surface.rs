@@ -106,20 +106,15 @@ impl<T: Real> FacetSurface<T> {
 
     /// Room for the fields over a patch.
     pub fn fields(&self, patch: &Patch) -> Fields<T> {
-        self.room(patch)
-    }
-
-    /// The same in any precision.
-    pub(crate) fn room<U: Real>(&self, patch: &Patch) -> Fields<U> {
         Fields::sized(patch.len(), self.selection)
     }
 
-    /// Room for the slopes alone and what these need, in any precision.
-    pub(crate) fn room_for_slopes<U: Real>(&self, patch: &Patch) -> Fields<U> {
+    /// Room for the slopes alone and what these need.
+    pub(crate) fn room_for_slopes(&self, patch: &Patch) -> Fields<T> {
         if self.choppy.is_some() {
-            return self.room(patch);
+            return self.fields(patch);
         }
-        let slope = [(); 2].map(|()| vec![U::default(); patch.len()]);
+        let slope = [(); 2].map(|()| vec![T::default(); patch.len()]);
         Fields { slope, ..Fields::default() }
     }
 

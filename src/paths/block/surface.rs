@@ -62,7 +62,7 @@ impl NodeSurface {
 
     /// Room for the fields over a patch.
     pub fn fields(&self, patch: &Patch) -> Fields<f32> {
-        self.surface.room(patch)
+        self.surface.fields(patch)
     }
 
     /// Fields at a time, as [`FacetSurface::evaluate`] has them.

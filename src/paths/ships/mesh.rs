@@ -220,15 +220,15 @@ impl PathGenerator {
             }
             *scale *= self.gain_of(plan, emission, (batch, i), |real| with == With::Gains || !real);
         }
-        let tx_leak = self.radar.transmitters[plan.pair.transmitter].antenna.ports;
-        let rx_leak = self.radar.receivers[plan.pair.receiver].antenna.ports;
+        let tx_errors = self.radar.transmitters[plan.pair.transmitter].antenna.ports;
+        let rx_errors = self.radar.receivers[plan.pair.receiver].antenna.ports;
         for &(channel, tx_port, rx_port) in &plan.channels {
             let column = &mut paths.amplitude[channel];
             if tx_pol.is_some_and(|port| port != tx_port) {
                 column.extend((0..batch.count).map(|_| Complex64::ZERO));
                 continue;
             }
-            let (sent, received) = (port_shares(tx_port, tx_leak), port_shares(rx_port, rx_leak));
+            let (sent, received) = (port_shares(tx_port, tx_errors), port_shares(rx_port, rx_errors));
             let coupled = [0, 1].map(|to| [0, 1].map(|from| received[to] * sent[from]));
             column.extend(scales[..batch.count].iter().enumerate().map(|(i, scale)| {
                 let of = |to: usize, from: usize| coupled[to][from] * batch.coupled[to][from][i];

@@ -43,7 +43,7 @@ pub use reference::reference;
 pub struct PulseEcho<'a> {
     /// Emission, s on the clock of the paths.
     pub emission_s: f64,
-    /// Number of the pulse, by which waveforms in turn are told apart.
+    /// Number of the pulse, which says which of the waveforms in turn it has.
     pub number: u64,
     /// First sample after the emission, s.
     pub window_start_s: f64,
