@@ -37,6 +37,12 @@ pub fn next_product_of(primes: &[usize], least: usize) -> usize {
     (least.max(1)..).find(|n| is_product_of(primes, *n)).unwrap_or(least)
 }
 
+/// Samples that a length of time spans at a rate, one at least: `ceil(T fs)`, not counting one that rounding
+/// alone would add.
+pub fn spanned_samples(length_s: f64, sample_rate_hz: f64) -> usize {
+    ((length_s * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as usize).max(1)
+}
+
 /// The least even number from `least` on that has no prime factor above 5: a length of a fast transform.
 pub fn fast_len(least: usize) -> usize {
     2 * next_product_of(&[2, 3, 5], least.div_ceil(2))

@@ -12,8 +12,6 @@
 //! Limits: those of [`super::link_budget`]; one instant, whether a pulse leaves then or not. A waveform that
 //! varies has samples above its mean power.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 use serde::Serialize;
 
@@ -30,7 +28,7 @@ use crate::radar::filter::ReceiveFilter;
 use crate::radar::link::Link;
 use crate::radar::polarisation::field;
 use crate::radar::receiver::thermal_noise_w;
-use crate::radar::waveform::{self, Waveform};
+use crate::radar::waveform::{self, Waveform, pulses};
 use crate::scattering::target::Scatterer;
 use crate::units::{Decibels, SPEED_OF_LIGHT_MPS};
 
@@ -139,17 +137,12 @@ fn strongest_echoes(sights: &Sights<'_>, at: Moment<'_>) -> Result<Vec<f64>, Bui
 
 /// `E_f / T`: what the receive filter leaves of the power of a pulse; of pulses in turn, the mean.
 fn passing(waveform: &dyn Waveform, offset_hz: f64, filter: &ReceiveFilter, sample_rate_hz: f64) -> f64 {
-    let pulses = waveform.in_turn();
-    if !pulses.is_empty() {
-        // One of them may fill either half of the band of all.
-        let half_hz = waveform.bandwidth_hz() + LOBES * waveform.lobe_hz();
-        let of = |pulse: &Arc<dyn Waveform>| {
-            one_passing(pulse.as_ref(), half_hz, offset_hz, filter, sample_rate_hz)
-        };
-        return pulses.iter().map(of).sum::<f64>() / pulses.len() as f64;
-    }
-    let half_hz = 0.5 * waveform.bandwidth_hz() + LOBES * waveform.lobe_hz();
-    one_passing(waveform, half_hz, offset_hz, filter, sample_rate_hz)
+    let all = pulses(waveform);
+    // One of several may fill either half of the band of all.
+    let share = if all.len() > 1 { 1.0 } else { 0.5 };
+    let half_hz = share * waveform.bandwidth_hz() + LOBES * waveform.lobe_hz();
+    let of = |pulse: &&dyn Waveform| one_passing(*pulse, half_hz, offset_hz, filter, sample_rate_hz);
+    all.iter().map(of).sum::<f64>() / all.len() as f64
 }
 
 /// The same of one pulse that reaches so far from the middle of its band.

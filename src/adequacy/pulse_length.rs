@@ -1,7 +1,7 @@
 //! How long a pulse is to a matched filter behind the receive filter.
 
 use crate::radar::filter::ReceiveFilter;
-use crate::radar::waveform::Waveform;
+use crate::radar::waveform::{Waveform, pulses};
 use crate::scene::Radar;
 
 /// Lobes of the spectrum of a plain pulse that are looked at, beyond its band.
@@ -11,12 +11,13 @@ const FREQUENCIES: [usize; 2] = [256, 16_384];
 
 /// `E_2^2 / E_4`, s: the length of a pulse in band; of pulses in turn, the mean.
 pub(super) fn seconds_of_pulse(waveform: &dyn Waveform, radar: &Radar) -> f64 {
-    let pulses = waveform.in_turn();
-    if !pulses.is_empty() {
-        let all: f64 = pulses.iter().map(|pulse| seconds_of_one(pulse.as_ref(), radar, f64::INFINITY)).sum();
-        return all / pulses.len() as f64;
-    }
-    seconds_of_one(waveform, radar, waveform.bandwidth_hz() + LOBES * waveform.lobe_hz())
+    let all = pulses(waveform);
+    // One of several may lie anywhere in what is sampled.
+    let band_hz = match all.len() {
+        1 => waveform.bandwidth_hz() + LOBES * waveform.lobe_hz(),
+        _ => f64::INFINITY,
+    };
+    all.iter().map(|pulse| seconds_of_one(*pulse, radar, band_hz)).sum::<f64>() / all.len() as f64
 }
 
 /// The same of one pulse in a band, Hz.

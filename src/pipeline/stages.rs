@@ -37,7 +37,7 @@ use crate::radar::dechirp::Dechirp;
 use crate::radar::fault::RadarError;
 use crate::radar::front_end::FrontEnd;
 use crate::radar::receiver::Receiver;
-use crate::radar::waveform::Waveform;
+use crate::radar::waveform::{Waveform, pulses};
 use crate::scene::calibration::Calibration;
 use crate::scene::radar::Pair;
 use crate::scene::{Radar, Scene};
@@ -295,17 +295,13 @@ impl PulseFactory {
     /// delay of its reference gives.
     pub fn replica(&self) -> Vec<Complex32> {
         if self.reception.dechirp.is_none() {
-            let (receiver, pulses) = (&self.reception.receiver, self.waveform.in_turn());
-            if pulses.is_empty() {
-                return receiver.replica(&*self.waveform);
-            }
             let length = self.waveform.span_samples(self.sample_rate_hz);
-            let of = |pulse: &Arc<dyn Waveform>| {
-                let mut replica = receiver.replica(pulse.as_ref());
+            let of = |pulse: &dyn Waveform| {
+                let mut replica = self.reception.receiver.replica(pulse);
                 replica.resize(length, Complex32::ZERO);
                 replica
             };
-            return pulses.iter().flat_map(of).collect();
+            return pulses(self.waveform.as_ref()).into_iter().flat_map(of).collect();
         }
         // What comes back with the delay of the reference.
         let samples = self.waveform.span_samples(self.sample_rate_hz).min(self.layout.samples);

@@ -46,7 +46,7 @@ use thiserror::Error;
 use super::clock::RunningClocks;
 use super::filter::{ReceiveFilter, bin_frequency_hz};
 use super::receiver::{Receiver, ReceiverScratch};
-use super::waveform::Waveform;
+use super::waveform::{Waveform, pulses};
 use crate::pulse::{Pulse, flags};
 use crate::scene::Radar;
 use crate::scene::calibration::{Calibration, Signal};
@@ -170,10 +170,7 @@ impl Generators {
                     let of = |pulse: &dyn Waveform| {
                         loopback(pulse, fs, delay_s, amplitude, radar.window.samples, receiver)
                     };
-                    match waveform.in_turn() {
-                        [] => vec![of(waveform)],
-                        pulses => pulses.iter().map(|pulse| of(pulse.as_ref())).collect(),
-                    }
+                    pulses(waveform).into_iter().map(of).collect()
                 }
             };
             Ok(Generator { of: of.clone(), amplitude, pulses })

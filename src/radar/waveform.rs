@@ -64,6 +64,7 @@ use thiserror::Error;
 use crate::radar::phasor::phasor;
 use crate::scene;
 use crate::scene::radar::Source;
+use crate::units::spanned_samples;
 
 pub use coded::Coded;
 pub use drooping::Drooping;
@@ -162,9 +163,17 @@ pub trait Waveform: Send + Sync {
         0.0
     }
 
-    /// Samples that the pulse spans at a rate: `ceil(Tc fs)`, not counting one that rounding alone would add.
+    /// Samples that the pulse spans at a rate ([`spanned_samples`]).
     fn span_samples(&self, sample_rate_hz: f64) -> usize {
-        ((self.duration_s() * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as usize).max(1)
+        spanned_samples(self.duration_s(), sample_rate_hz)
+    }
+}
+
+/// The pulses in turn; of any other waveform itself.
+pub(crate) fn pulses(waveform: &dyn Waveform) -> Vec<&dyn Waveform> {
+    match waveform.in_turn() {
+        [] => vec![waveform],
+        pulses => pulses.iter().map(AsRef::as_ref).collect(),
     }
 }
 
@@ -174,13 +183,10 @@ const LOOKED_AT: usize = 8;
 /// What errors are predicted of: the waveform, or some of its pulses in turn, the first and the last among
 /// them.
 pub(crate) fn looked_at(waveform: &dyn Waveform) -> Vec<&dyn Waveform> {
-    let pulses = waveform.in_turn();
-    if pulses.is_empty() {
-        return vec![waveform];
-    }
+    let pulses = pulses(waveform);
     let count = pulses.len().min(LOOKED_AT);
     let place = |n: usize| n * (pulses.len() - 1) / (count - 1).max(1);
-    (0..count).filter_map(|n| pulses.get(place(n)).map(AsRef::as_ref)).collect()
+    (0..count).filter_map(|n| pulses.get(place(n)).copied()).collect()
 }
 
 /// [`Waveform::moment_spectrum`] by 8-point central differences of the spectrum, step `1/(16 Tc)`.

@@ -13,6 +13,7 @@ use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse, SampleFormat, Samples};
 use crate::scene::radar::Polarisation;
 use crate::time::TimeTag;
+use crate::units::spanned_samples;
 
 /// Version of the recordings' structure (HDF5 and plain), attribute `version`.
 pub const FORMAT_VERSION: u32 = 1;
@@ -188,8 +189,7 @@ impl Header {
         if !matches!(kind, Some("in-turn" | "stepped")) {
             return 1;
         }
-        let samples = self.pulse_s * self.sample_rate_hz * (1.0 - 4.0 * f64::EPSILON);
-        (self.replica.len() / (samples.ceil() as usize).max(1)).max(1)
+        (self.replica.len() / spanned_samples(self.pulse_s, self.sample_rate_hz)).max(1)
     }
 
     /// The receiver of a channel, by its place.

@@ -114,17 +114,7 @@ fn pulses_in_turn_keep_the_error() {
     let sweep = "waveform = { kind = \"lfm\", bandwidth_hz = 30e6, pulse_s = 1e-6 }";
     let blocks =
         format!("prf_hz = 40e3\n{ports}\n{sweeps}\nwindow = {{ gate = \"continuous\", samples = 2048 }}");
-    let other = format!(
-        "[[emitter]]
-        name = \"radar\"
-        platform = \"other\"
-        carrier_hz = 9.403e9
-        power_w = 20.0
-        antenna = {{ kind = \"rectangle\", width_m = 0.2, height_m = 0.4 }}
-        pointing = {{ kind = \"at\", position_m = [0, 0, 0] }}
-        prf_hz = 9733.0
-        {sweeps}"
-    );
+    let other = two_platforms::beside(&format!("carrier_hz = 9.403e9\nprf_hz = 9733.0\n{sweeps}"));
     for (what, radar, emitters, asked) in some_of([
         ("up and down", windows(uniform, &sweeps), "", "-60"),
         ("unlike", windows(uniform, &unlike), "", "-60"),

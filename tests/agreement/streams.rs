@@ -165,20 +165,8 @@ fn streams_keep_the_error() {
     let noise = |hz: f64| format!("waveform = {{ kind = \"noise\", bandwidth_hz = {hz:?} }}");
     let blocks = |samples: usize| format!("window = {{ gate = \"continuous\", samples = {samples} }}");
     let sweep = "waveform = { kind = \"lfm\", bandwidth_hz = 30e6, pulse_s = 1e-6 }";
-    let jammer = |train: &str, hz: f64| {
-        format!(
-            "[[emitter]]
-            name = \"jam\"
-            platform = \"other\"
-            carrier_hz = 9.41e9
-            power_w = 20.0
-            antenna = {{ kind = \"rectangle\", width_m = 0.2, height_m = 0.4 }}
-            pointing = {{ kind = \"at\", position_m = [0, 0, 0] }}
-            {train}
-            {}",
-            noise(hz)
-        )
-    };
+    let jammer =
+        |train: &str, hz: f64| two_platforms::beside(&format!("carrier_hz = 9.41e9\n{train}\n{}", noise(hz)));
     let of = |prf_hz: f64, waveform: &str, samples: usize| {
         format!("prf_hz = {prf_hz:?}\nchannels = [\"HH\", \"VV\"]\n{waveform}\n{}", blocks(samples))
     };

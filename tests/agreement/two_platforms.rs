@@ -95,6 +95,21 @@ pub fn tone(keys: &str, pulse_s: f64) -> String {
     )
 }
 
+/// An emitter on the other platform that looks at the target; `keys` are the others that it has.
+pub fn beside(keys: &str) -> String {
+    format!(
+        r#"
+        [[emitter]]
+        name = "beside"
+        platform = "other"
+        power_w = 20.0
+        antenna = {{ kind = "rectangle", width_m = 0.2, height_m = 0.4 }}
+        pointing = {{ kind = "at", position_m = [0, 0, 0] }}
+        {keys}
+        "#
+    )
+}
+
 pub fn power(samples: &[Complex64]) -> f64 {
     samples.iter().map(|s| s.norm_sqr()).sum()
 }

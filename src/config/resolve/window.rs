@@ -9,6 +9,7 @@ use crate::config::keys::{self, Key};
 use crate::config::section::Section;
 use crate::scene::radar::{Gate, Window};
 use crate::time::PulseTimes;
+use crate::units::spanned_samples;
 
 /// The window, and whether it is a block of those that follow each other.
 pub(super) fn window(
@@ -40,7 +41,7 @@ pub(super) fn window(
     if let (Some(samples), Some(sample_rate_hz), Some(pulse_s)) = (samples, sample_rate_hz, pulse_s) {
         let window_s = samples as f64 / sample_rate_hz;
         // A pulse of a whole number of samples must pass although its product with the rate is rounded.
-        let least = (pulse_s * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as u64;
+        let least = spanned_samples(pulse_s, sample_rate_hz) as u64;
         if samples < least {
             section.fault(&SAMPLES, Problem::ShortWindow { samples, window_s, pulse_s, least });
         }

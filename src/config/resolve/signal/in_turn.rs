@@ -1,6 +1,7 @@
 //! Waveforms of several pulses, which leave in turn.
 
 use super::described;
+use crate::config::choices::{Choice, WaveformKind};
 use crate::config::error::Problem;
 use crate::config::keys::waveform::{BANDWIDTH_HZ, KIND, OFFSET_HZ, PULSE_S, STEP_HZ, STEPS, WAVEFORMS};
 use crate::config::keys::{Key, MOST_TURNS, figure};
@@ -39,18 +40,13 @@ pub(super) fn pulses(
     let listed = section.sections(&WAVEFORMS);
     let count = listed.len();
     let pulse = |section: Section<'_>| {
-        let kind: Option<&str> = section.peek_text(&KIND);
-        if let Some(kind @ ("in-turn" | "stepped")) = kind {
-            let found = format!("kind = \"{kind}\" among waveforms");
-            section.fault(&KIND, Problem::Type { found, allowed: "a single pulse".to_owned() });
+        let kind = section.peek_text(&KIND).and_then(WaveformKind::named);
+        if let Some((kind, allowed)) = kind.and_then(|kind| Some((kind, instead(kind)?))) {
+            let found = format!("kind = \"{}\" among waveforms", kind.word());
+            section.fault(&KIND, Problem::Type { found, allowed: allowed.to_owned() });
         }
         let offset_hz = section.number(&OFFSET_HZ);
         let found = described(&section, sample_rate_hz, (None, number));
-        let continuous = ["noise", "dvb-t", "fm", "gps-l1-ca", "iq-file"];
-        if let Some(kind) = kind.filter(|kind| continuous.contains(kind)) {
-            let found = format!("kind = \"{kind}\" among waveforms");
-            section.fault(&KIND, Problem::Type { found, allowed: "pulses, which end".to_owned() });
-        }
         let found = found.zip(offset_hz).map(|(pulse, offset_hz)| match offset_hz {
             0.0 => pulse,
             _ => Waveform::Offset { of: Box::new(pulse), offset_hz },
@@ -65,6 +61,16 @@ pub(super) fn pulses(
         section.fault(&WAVEFORMS, Problem::Type { found, allowed });
     }
     (found.len() == count && count > 1).then_some(Waveform::InTurn { of: found, stepped: false })
+}
+
+/// What is allowed in the place of a kind that is no pulse.
+fn instead(kind: WaveformKind) -> Option<&'static str> {
+    use WaveformKind::{Cw, DvbT, File, Fm, GpsCa, InTurn, IqFile, Lfm, Nlfm, Noise, PhaseCode, Stepped};
+    match kind {
+        Lfm | Nlfm | Cw | PhaseCode | File => None,
+        InTurn | Stepped => Some("a single pulse"),
+        Noise | DvbT | Fm | GpsCa | IqFile => Some("pulses, which end"),
+    }
 }
 
 /// Faults a pulse whose band reaches beyond what is sampled about the carrier.
