@@ -10,6 +10,7 @@ use nereus::processor::backproject::{Aperture, PulseEcho, fast, reference};
 use nereus::processor::range_compress::{Compressor, PulseShape, RangeFilter};
 use nereus::processor::taper::Taper;
 use nereus::recording::ground::Ground;
+use nereus::scene::radar::Band;
 use num_complex::Complex32;
 
 const PULSES: usize = 500;
@@ -33,7 +34,7 @@ fn focus(c: &mut Criterion) {
         replica: &replica,
         turns: 1,
         sample_rate_hz: 100e6,
-        bandwidth_hz: 60e6,
+        band: Band::about(0.0, 60e6),
         pulse_s: 0.333e-6,
     };
     let compressor = Compressor::new(shape, SAMPLES, RangeFilter::Matched, Taper::Uniform, 16).unwrap();

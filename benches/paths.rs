@@ -45,6 +45,7 @@ fn scene(facets: usize) -> Scene {
     let antenna = AntennaMount {
         platform: 0,
         lever_arm: Vector::ZERO,
+        of_array: Vector::ZERO,
         pattern: Pattern::Rectangle { width_m: 4.0, height_m: 0.05 },
         pointing: Pointing::At {
             aim: Aim::Beside { platform: 0, along_m: 0.0, across_m: -3000.0 },

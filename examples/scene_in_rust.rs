@@ -37,6 +37,7 @@ fn scene() -> Result<Scene, Box<dyn Error>> {
     let antenna = AntennaMount {
         platform: aircraft,
         lever_arm: Vector::new(0.0, 0.0, 1.5),
+        of_array: Vector::ZERO,
         pattern: Pattern::Rectangle { width_m: 0.4, height_m: 0.05 },
         pointing: Pointing::At {
             aim: Aim::Beside { platform: aircraft, along_m: 0.0, across_m: 3000.0 },

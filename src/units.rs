@@ -43,6 +43,12 @@ pub fn spanned_samples(length_s: f64, sample_rate_hz: f64) -> usize {
     ((length_s * sample_rate_hz * (1.0 - 4.0 * f64::EPSILON)).ceil() as usize).max(1)
 }
 
+/// The entry that belongs to a number where entries recur in turn: `number` modulo how many there are; `None`
+/// of none.
+pub fn in_turn<T>(of: &[T], number: u64) -> Option<&T> {
+    of.get(number.checked_rem(of.len() as u64)? as usize)
+}
+
 /// The least even number from `least` on that has no prime factor above 5: a length of a fast transform.
 pub fn fast_len(least: usize) -> usize {
     2 * next_product_of(&[2, 3, 5], least.div_ceil(2))

@@ -1,7 +1,8 @@
 """Targets of a passive radar as pyAPRiL finds them, a public library of passive radar that knows nothing of nereus.
 
-    pip install pyAPRiL==1.7.6
     python3 tools/passive_pyapril.py passive.h5
+
+`tools/pyapril` installs what it needs, makes the recording and runs it.
 
 The recording is that of configs/passive.toml: channel 0 looks at the transmitter, channel 1 at the sea. The library's
 chain, unmodified: Wiener_SMI cancels the direct path, cc_detector_ons correlates over delay and Doppler, CA_CFAR detects.

@@ -18,11 +18,13 @@ class RangeCompressor:
 
     def __init__(self, info):
         self.samples = info["samples"]
-        self.length = self.samples + info["replica"].size - 1
-        self.replica = np.conj(np.fft.fft(info["replica"], self.length))
+        replica = np.atleast_2d(info["replica"])  # one for each waveform in turn
+        self.length = self.samples + replica.shape[1] - 1
+        self.replicas = np.conj(np.fft.fft(replica, self.length))
 
-    def __call__(self, iq):
-        return np.fft.ifft(np.fft.fft(iq, self.length) * self.replica)[..., : self.samples]
+    def __call__(self, pulse, channel=0):
+        replica = self.replicas[pulse.index % len(self.replicas)]
+        return np.fft.ifft(np.fft.fft(pulse.iq[channel], self.length) * replica)[: self.samples]
 
 
 def main():
@@ -38,7 +40,7 @@ def main():
         compress, fs = RangeCompressor(stream.info), stream.info["sample_rate_hz"]
         mean = 0.0
         for count, pulse in enumerate(stream, 1):
-            mean += (np.abs(compress(pulse.iq[0])) ** 2 - mean) / count
+            mean += (np.abs(compress(pulse)) ** 2 - mean) / count
             if pulse.flags & nereus.Flag.AFTER_GAP:
                 print(f"pulse {pulse.index}: pulses before it were missed")
         peak = int(mean.argmax())

@@ -80,7 +80,7 @@ def ppi(
     samples = iq.sizes["sample"]
     cells = samples + int(offsets.max())
     sums, counts = np.zeros((steps, cells)), np.zeros((steps, cells))
-    pulses = _in_turn(ds, instrument, replica)
+    pulses = _in_turn(instrument, replica)
     length = 1 << int(samples + pulses.shape[1] - 1).bit_length()
     weights = np.conj(np.fft.fft(pulses, length)) / np.sum(np.abs(pulses) ** 2, axis=1, keepdims=True)
     turns = ds["pulse"].values[seen] % len(pulses)
@@ -102,12 +102,12 @@ def ppi(
     return xr.DataArray(mean, coords, ("azimuth", "range"), "power", {**attrs, "pulses": int(seen.size)})
 
 
-def _in_turn(ds: xarray.Dataset, instrument: dict[str, Any], replica: np.ndarray) -> np.ndarray:
+def _in_turn(instrument: dict[str, Any], replica: np.ndarray) -> np.ndarray:
     """The pulses that leave in turn, [pulse, sample]; mostly one."""
-    if instrument.get("waveform", {}).get("kind") not in ("in-turn", "stepped"):
-        return replica[np.newaxis]
-    samples = ds.attrs["pulse_s"] * ds.attrs["sample_rate_hz"]
-    return replica.reshape(-1, max(1, int(np.ceil(samples * (1.0 - 4.0 * np.finfo(float).eps)))))
+    turns = max(1, len(instrument["waveform"].get("pulses", ())))
+    if replica.size % turns:
+        raise InputError(f"ds: {turns} pulses in turn in a replica of {replica.size}; allowed: all of the recorded replica")
+    return replica.reshape(turns, -1)
 
 
 def _steps(azimuth_step_deg: Any) -> int:

@@ -362,6 +362,10 @@ pub(crate) fn described<'py>(py: Python<'py>, header: &Header) -> PyResult<Bound
     dict.set_item("adc_bits", header.adc.map(|adc| adc.bits))?;
     dict.set_item("adc_step", header.adc.map(|adc| adc.step))?;
     dict.set_item("instrument", crate::object(py, &header.instrument)?)?;
-    dict.set_item("replica", PyArray1::from_slice(py, &header.replica))?;
+    let replica = PyArray1::from_slice(py, &header.replica);
+    match header.turns() {
+        1 => dict.set_item("replica", replica)?,
+        turns => dict.set_item("replica", replica.reshape([turns, header.replica.len() / turns])?)?,
+    }
     Ok(dict)
 }

@@ -44,8 +44,8 @@ use crate::radar::polarisation::{PortBasis, field};
 use crate::radar::receiver::thermal_noise_w;
 use crate::scattering::target::Scatterer;
 use crate::scene::Target;
-use crate::scene::radar::{AntennaMount, Channel, Pair, PolarisationBasis, Radar, TxPolarisation};
-use crate::units::{Decibels, SPEED_OF_LIGHT_MPS};
+use crate::scene::radar::{AntennaMount, Channel, Pair, Pointing, PolarisationBasis, Radar, TxPolarisation};
+use crate::units::{Decibels, SPEED_OF_LIGHT_MPS, in_turn};
 
 /// Targets of a budget; those behind them are counted.
 pub const MOST_TARGETS: usize = 256;
@@ -69,6 +69,8 @@ pub struct LinkBudget {
     pub compression_db: f64,
     /// Mean rate at which a channel has pulses, Hz: the least of all channels.
     pub prf_hz: f64,
+    /// Pulses that leave in turn; 1 where all are alike.
+    pub turns: usize,
     /// Largest Doppler shift that does not fold, Hz.
     pub doppler_limit_hz: f64,
     /// Shortest interval between pulses, us: a longer delay means several pulses in the air.
@@ -149,6 +151,7 @@ pub fn link_budget(prepared: &Prepared) -> Result<LinkBudget, BuildErrors> {
         )
         .0,
         prf_hz,
+        turns: radar.waveform.turns(),
         doppler_limit_hz: 0.5 * prf_hz,
         interval_us: 1e6 * interval_s,
         unambiguous_path_m: SPEED_OF_LIGHT_MPS * interval_s,
@@ -194,11 +197,19 @@ pub(super) fn power(antenna: &Antenna, direction: DVec3) -> f64 {
     antenna.field_gain(Vector::from_raw(direction)).norm_sqr()
 }
 
-/// Least share of the pulses that a channel has.
+/// Least share of the pulses that a channel has; where several leave in turn, of one of these.
 fn least_share(radar: &Radar) -> f64 {
-    let TxPolarisation::Alternating(sequence) = &radar.tx_polarisation else { return 1.0 };
+    let (cycle, turns) = (radar.cycle(), radar.waveform.turns() as u64);
+    let fills = |channel: &Channel, pulse: u64| match &radar.tx_polarisation {
+        TxPolarisation::Alternating(sequence) => in_turn(sequence, pulse) == Some(&channel.tx),
+        TxPolarisation::Simultaneous => true,
+    };
     let share = |channel: &Channel| {
-        sequence.iter().filter(|port| **port == channel.tx).count() as f64 / sequence.len().max(1) as f64
+        let mut of_turns = vec![0u64; turns as usize];
+        for pulse in (0..cycle).filter(|pulse| fills(channel, *pulse)) {
+            of_turns[(pulse % turns) as usize] += 1;
+        }
+        of_turns.into_iter().filter(|count| *count > 0).min().unwrap_or(0) as f64 / cycle as f64
     };
     radar.channels.iter().map(share).fold(1.0, f64::min)
 }
@@ -379,6 +390,18 @@ pub(super) fn with_mean_of_table(target: &Target) -> Result<Target, RadarError> 
     Ok(target)
 }
 
+impl LinkBudget {
+    /// A warning where no target returns anything.
+    pub fn warning(&self, radar: &Radar) -> Option<String> {
+        let scans = |mount: &AntennaMount| matches!(mount.pointing, Pointing::Scan(_));
+        let dark = !self.targets.is_empty() && self.targets.iter().all(|target| target.power_dbw.is_none());
+        // One that scans may pass over them between the instants that are looked at.
+        (dark && !mounts(radar).any(|(_, mount)| scans(mount))).then(|| {
+            "no target returns anything: none lies in front of both antennas with a cross section and power".to_owned()
+        })
+    }
+}
+
 /// The same in words.
 pub fn rows(budget: &LinkBudget) -> Vec<Described> {
     let mut rows: Vec<Described> =
@@ -389,9 +412,10 @@ pub fn rows(budget: &LinkBudget) -> Vec<Described> {
     rows.push(described(
         "pulses",
         format!(
-            "Doppler folds beyond +-{} Hz (a channel has {} pulses/s); several pulses are in the air beyond {} us, a path of {} km",
+            "Doppler folds beyond +-{} Hz (a channel has {} pulses/s{}); ranges are ambiguous beyond a delay of {} us, a path of {} km",
             figure(budget.doppler_limit_hz),
             figure(budget.prf_hz),
+            if budget.turns > 1 { " of each waveform" } else { "" },
             figure(budget.interval_us),
             figure(1e-3 * budget.unambiguous_path_m)
         ),

@@ -204,7 +204,9 @@ pub(super) fn ships(prepared: &Prepared, sea: &Sea, adequacy: &mut Adequacy) -> 
                 }
                 let mesh = found.superstructure_m;
                 adequacy.warnings.extend(mesh.and_then(|mesh| mesh_warning(ship, found.length_m, mesh)));
-                adequacy.warnings.extend(outside(ship, found.length_m, prepared, sea)?);
+                if ship.kelvin.is_some() || ship.turbulent.is_some() {
+                    adequacy.warnings.extend(outside(ship, found.length_m, prepared, sea)?);
+                }
                 adequacy.ships.push(found);
             }
             Err(fault) => faults.push(BuildError::Ship(fault)),

@@ -84,7 +84,9 @@ impl Assessment {
             let what = format!("{}, {} track", note.platform, note.role);
             self.tracks.push(described(&what, note.report.to_string()));
         }
-        self.link = Some(link_budget(prepared)?);
+        let link = link_budget(prepared)?;
+        self.warnings.extend(link.warning(&prepared.scene().radar));
+        self.link = Some(link);
         self.emitters = emitter_budgets(prepared)?;
         self.warnings.extend(emitter_budget::warnings(&self.emitters));
         self.sea = adequacy_with_edge(&stream)?;
@@ -147,7 +149,8 @@ impl Assessment {
 /// What to do about a latency in which the pulses that are made at once are not made.
 fn short_latency(in_hand: InHand, real_time_factor: f64) -> Option<String> {
     let takes_s = in_hand.batch_s / real_time_factor;
-    let remedy = in_hand.remedy().filter(|_| takes_s > in_hand.latency_s)?;
+    // Where generation falls behind, no latency helps.
+    let remedy = in_hand.remedy().filter(|_| takes_s > in_hand.latency_s && real_time_factor >= 1.0)?;
     Some(format!(
         "pulses come too late in real time: those that are made at once take about {} ms on this machine; {remedy}",
         digits(takes_s * 1e3)

@@ -29,8 +29,6 @@ use crate::pipeline::fault::BuildErrors;
 use crate::pulse::costs::Stage;
 use crate::units::digits;
 
-/// Nothing new is built after so long, or after twice as long where nothing is enough yet.
-const LIMIT: Duration = Duration::from_secs(15);
 /// Errors that `check` asks for, dB: it gives a glance.
 const GLANCE_DB: [f64; 3] = [-45.0, -30.0, fit::COARSEST_DB];
 /// Settings of a set of kinds that are measured: where a prediction was off, one more.
@@ -50,6 +48,8 @@ pub struct Search {
     pub margin: f64,
     /// How long each change is measured; nothing but the run as written where that is zero.
     pub trial: Duration,
+    /// Nothing new is tried after so long, or after twice as long where nothing is enough yet.
+    pub limit: Duration,
 }
 
 /// Plans of a stream for other errors than its own.
@@ -333,7 +333,9 @@ impl<L: Fn(&Overrides) -> Result<Run, ConfigError>> Searcher<'_, L> {
             if is_done || self.found.remedies.len() >= MOST {
                 continue;
             }
-            if self.begun.elapsed() > if self.found.remedies.is_empty() { 2 * LIMIT } else { LIMIT } {
+            if self.begun.elapsed()
+                > if self.found.remedies.is_empty() { 2 * self.asked.limit } else { self.asked.limit }
+            {
                 self.found.out_of_time = true;
                 break;
             }
@@ -372,7 +374,7 @@ impl<L: Fn(&Overrides) -> Result<Run, ConfigError>> Searcher<'_, L> {
                 continue;
             }
             enough = Some((remedy, harm(&steps)));
-            if over < AMPLE || self.begun.elapsed() > LIMIT {
+            if over < AMPLE || self.begun.elapsed() > self.asked.limit {
                 break;
             }
             wanted *= OF_AMPLE;

@@ -231,7 +231,7 @@ impl PlanReport {
         rows.extend(self.emitters.iter().map(EmitterReport::row));
         rows.extend([
             described(
-                "relative cost",
+                "reference speed",
                 format!(
                     "{} times real time on a reference machine (cost model); the forecast is measured on this machine",
                     digits(self.predicted_real_time_factor)

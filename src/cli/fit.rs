@@ -30,6 +30,9 @@ pub struct FitArgs {
     /// Time for which the speed of each change is measured, ms; 0: changes are predicted, and not measured
     #[arg(long, value_name = "MS", default_value_t = 300, value_parser = counts(0, 60_000))]
     pub trial_ms: u64,
+    /// Time after which nothing more is tried, s; twice as long while nothing fits
+    #[arg(long, value_name = "S", default_value_t = 15, value_parser = counts(1, 86_400))]
+    pub limit_s: u64,
     /// How it is reported
     #[command(flatten)]
     pub format: JsonArg,
@@ -47,7 +50,11 @@ pub(super) fn fit(args: &FitArgs, out: &mut dyn Write) -> Result<(), CliError> {
     let run = load(&Vec::new())?;
     warn_of_scene(&run);
     say("speed as written ...");
-    let asked = Search { margin: args.margin, trial: Duration::from_millis(args.trial_ms) };
+    let asked = Search {
+        margin: args.margin,
+        trial: Duration::from_millis(args.trial_ms),
+        limit: Duration::from_secs(args.limit_s),
+    };
     let found = progress::counting("kinds of change", |passed| search(&run, &asked, load, passed))?;
     let mut report = Report::default();
     let name = run.path.display().to_string();
@@ -90,7 +97,7 @@ fn add_text(report: &mut Report, name: &str, found: &Fit) {
         ));
     }
     if found.out_of_time {
-        report.line("not all was tried: this machine takes long");
+        report.line("not all was tried; --limit-s gives more time");
     }
     for refused in &found.refused {
         report.line(format!("not tried: {}: {}", refused.change, escape::name(&refused.why)));

@@ -13,6 +13,7 @@ use crate::pulse::gathered::Gathered;
 use crate::radar::waveform;
 use crate::recording::ground::Ground;
 use crate::scene::Radar;
+use crate::scene::radar::Band;
 use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// Least cells along both sides.
@@ -167,11 +168,11 @@ pub fn image(
 
 fn compressor(radar: &Radar, replica: &[Complex32]) -> Result<Compressor, CompressError> {
     let pulse = waveform::from_description(&radar.waveform);
-    let (bandwidth_hz, pulse_s) =
-        pulse.map_or((0.0, 0.0), |pulse| (pulse.bandwidth_hz(), pulse.duration_s()));
+    let (band, pulse_s) =
+        pulse.map_or((Band::about(0.0, 0.0), 0.0), |pulse| (pulse.band(), pulse.duration_s()));
     let turns = radar.waveform.turns();
-    let shape = PulseShape { replica, turns, sample_rate_hz: radar.sample_rate_hz, bandwidth_hz, pulse_s };
-    let cells = oversampling(bandwidth_hz, radar.sample_rate_hz, INTERPOLATION_DB);
+    let shape = PulseShape { replica, turns, sample_rate_hz: radar.sample_rate_hz, band, pulse_s };
+    let cells = oversampling(2.0 * band.reach_hz(), radar.sample_rate_hz, INTERPOLATION_DB);
     // Flat within the band: the response is then a sinc that is zero a cell away, whatever the pulse.
     let filter = if turns > 1 { RangeFilter::Matched } else { RangeFilter::Flat };
     Compressor::new(shape, radar.window.samples, filter, Taper::Uniform, cells)

@@ -13,7 +13,7 @@ use super::keys::TABLES;
 pub fn page() -> String {
     let mut page = String::from(
         "# Scenario files\n\n\
-         A scenario is a TOML file. Keys bear their units; angles are in degrees; unknown keys are refused. This page is\n\
+         A scenario is a TOML file. Units are part of the keys; angles are in degrees; unknown keys are refused. This page is\n\
          written by `nereus new keys` from the list that the reader itself follows.\n\n\
          Files to be read are looked for beside the scenario file; files to be made are relative to the working directory.\n\
          Any key can be set on the command line: `--set radar.prf_hz=500`, `--set target.0.rcs_m2=10`.\n\

@@ -134,7 +134,7 @@ impl Surroundings<'_> {
                 let known_at = t.plus(-lag_s);
                 let known = self.tracks[mount.platform].known(*aim_from).state(known_at)?;
                 let (target, _) = self.aim_point(aim, *aim_from, known_at)?;
-                let from = PhaseCentre::of(&known, mount.lever_arm).position;
+                let from = PhaseCentre::of(&known, mount.lever_arm - mount.of_array).position;
                 let axes = towards(from, target, known.attitude).then(known.attitude.inverse());
                 Ok(bias(*bias_rad).then(axes).then(true_attitude))
             }

@@ -399,7 +399,7 @@ impl PathGenerator {
             windows.clear();
             for window in 0..radar.windows() {
                 let start_s = radar.window_start_of(window, index)?;
-                windows.push(Window::new(&self.radar, start_s, self.pulse_length_s));
+                windows.push(self.window(start_s));
             }
             let emissions = self.emissions_at(index, &windows, &mut work)?;
             for (pairs, heard) in parts.iter().zip(&mut heard) {

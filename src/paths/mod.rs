@@ -40,6 +40,7 @@
 //! let mount = AntennaMount {
 //!     platform: 0,
 //!     lever_arm: Vector::ZERO,
+//!     of_array: Vector::ZERO,
 //!     pattern: Pattern::Isotropic { gain_dbi: 30.0 },
 //!     pointing: Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 },
 //!     ports: PortErrors::default(),

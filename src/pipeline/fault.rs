@@ -138,7 +138,8 @@ pub enum BuildError {
     /// An antenna in the water.
     #[error(
         "antenna \"{antenna}\" of platform '{platform}' is {depth_m:.2} m below mean sea level at pulse {pulse}; allowed: on or \
-         above it (epoch at the track, its datum, scene.origin_h_m and lever_arm_m){}",
+         above it (platform.track: position_m is East, North, up; of a file its heights, datum and epoch; scene.origin_h_m, \
+         lever_arm_m){}",
         if *swapped { "; latitude and longitude of the track look swapped" } else { "" }
     )]
     BelowSea {
@@ -166,6 +167,21 @@ pub enum BuildError {
         pulse_us: f64,
         /// The shortest interval, us.
         pri_us: f64,
+    },
+    /// A waveform from a file whose offset moves it out of what is sampled.
+    #[error(
+        "{} with its offset_hz reaches from {from_hz} to {to_hz} Hz about the carrier; allowed: within {half_hz} Hz of it, half of radar.sample_rate_hz",
+        path.display()
+    )]
+    BeyondBand {
+        /// The file.
+        path: PathBuf,
+        /// Lower end of its band, Hz.
+        from_hz: f64,
+        /// Upper end, Hz.
+        to_hz: f64,
+        /// What is sampled to either side, Hz.
+        half_hz: f64,
     },
     /// A pulse of the trial.
     #[error(transparent)]

@@ -13,7 +13,7 @@ use crate::nav::TrackSource;
 use crate::pipeline::fault::PulseError;
 use crate::recording::crsd::{Described, Description};
 use crate::recording::header::{AdcRow, ChannelRow, Header, Origin, PairRow};
-use crate::recording::instrument::{EmitterRow, Instrument};
+use crate::recording::instrument::{EmitterRow, Instrument, WaveformRow};
 use crate::scene::Scene;
 use crate::scene::calibration::Signal;
 use crate::scene::radar::{AntennaMount, PolarisationBasis};
@@ -112,6 +112,7 @@ pub(super) fn header(
                 .map(|(emitter, signal)| EmitterRow::of(emitter, scene, signal))
                 .collect(),
             error_classes_db: error_classes_db(factory, coarser),
+            waveform: WaveformRow::of(&radar.waveform).as_made(factory.waveform.as_ref()),
             ..Instrument::of(scene)
         }),
         platforms: scene.platforms.clone(),

@@ -200,8 +200,8 @@ pub(super) fn continuous(
 /// What receivers take of an emitter. Immutable, shared by all threads.
 pub(crate) struct Overheard {
     name: String,
-    /// Bandwidth of its waveform, Hz, and length, s.
-    signal: [f64; 2],
+    /// By the receivers' carrier.
+    waveform: Arc<dyn Waveform>,
     generator: PathGenerator,
     flown: OnceLock<PathGenerator>,
     engine: Arc<dyn EchoEngine>,
@@ -247,12 +247,11 @@ impl Emitting {
         let most = segment_apart(plan.as_ref(), &scene, &generator, waveform.as_ref());
         let segment = (1..=segment).rev().find(|n| segment.is_multiple_of(*n) && *n <= most).unwrap_or(1);
         let engine = engines::engine(plan.as_ref(), &received, Some(segment), &generator, &waveform)?;
-        let signal = [waveform.bandwidth_hz(), waveform.duration_s()];
         let generator = generator.with_clocks(clocks);
         let (flown, window_samples) = (OnceLock::new(), received.window.samples);
         Ok(Overheard {
             name,
-            signal,
+            waveform,
             generator,
             flown,
             engine,
@@ -271,9 +270,9 @@ impl Overheard {
         (&self.name, self.share_of_pulses, self.plan.as_ref())
     }
 
-    /// Bandwidth of its waveform, Hz, and length, s.
-    pub fn signal(&self) -> [f64; 2] {
-        self.signal
+    /// What it radiates, by the receivers' carrier.
+    pub fn waveform(&self) -> &dyn Waveform {
+        self.waveform.as_ref()
     }
 
     /// Its error over what a pulse has of it on average, a ratio of powers; 0 of the reference.

@@ -16,6 +16,7 @@ use crate::pipeline::prepared::{Moment, Prepared};
 use crate::pulse::converter::Level;
 use crate::radar::fault::mounts;
 use crate::radar::window::Window;
+use crate::scene::Target;
 use crate::scene::radar::{Radar, Waveform};
 use crate::units::SPEED_OF_LIGHT_MPS;
 
@@ -61,6 +62,11 @@ pub(super) fn faults(prepared: &Prepared) -> Vec<BuildError> {
                     pulse_us: pulse_s * 1e6,
                     pri_us: pri_s * 1e6,
                 });
+            }
+            let (band, half_hz) = (own.band(), 0.5 * scene.radar.sample_rate_hz);
+            if pulse.offset_hz() != 0.0 && band.reach_hz() > half_hz {
+                let (path, [from_hz, to_hz]) = (path.clone(), [band.from_hz, band.to_hz]);
+                faults.push(BuildError::BeyondBand { path, from_hz, to_hz, half_hz });
             }
         }
     }
@@ -134,27 +140,32 @@ fn turn_deg(angle_deg: f64) -> f64 {
     (angle_deg + 180.0).rem_euclid(360.0) - 180.0
 }
 
-/// Targets whose whole echo lies in no window, at none of the pulses evaluated and in no pair of antennas.
-fn targets(prepared: &Prepared) -> Result<Option<String>, BuildErrors> {
+/// Part of an echo that a window may cut without a word.
+const CUT_SHARE: f64 = 0.02;
+
+/// Targets of whose echo nothing, or never all, lies in a window: at none of the pulses evaluated and in no
+/// pair of antennas.
+fn targets(prepared: &Prepared) -> Result<Vec<String>, BuildErrors> {
     let scene = prepared.scene();
     // Received without a gap, nothing is outside.
     if scene.targets.is_empty() || scene.radar.sent.is_some() {
-        return Ok(None);
+        return Ok(Vec::new());
     }
     let pulse_s = prepared.waveform()?.duration_s();
     let radar = &scene.radar;
     let window_s = radar.window.samples as f64 / radar.sample_rate_hz;
     let interval_s = 1.0 / radar.emissions.mean_prf_hz();
     let pairs = radar.pairs();
-    // Distance from the window, echo and window of the nearest approach.
+    // Distance from the window, or how much of the echo it cuts; echo and window: of the nearest approach.
     let mut nearest: Vec<Option<(f64, f64, f64)>> = vec![None; scene.targets.len()];
+    let mut least_cut: Vec<Option<(f64, f64, f64)>> = nearest.clone();
     for at in prepared.spread(INSTANTS) {
         let Ok(starts_s) = at.open_s(&pairs) else { continue };
         let ends =
             pairs.iter().zip(starts_s).filter_map(|(pair, opens_s)| Some((at.ends(*pair).ok()?, opens_s)));
         let ends: Vec<([Point<Enu>; 2], f64)> = ends.collect();
         let since_s = at.time.since(scene.start);
-        for (target, nearest) in scene.targets.iter().zip(&mut nearest) {
+        for ((target, nearest), least_cut) in scene.targets.iter().zip(&mut nearest).zip(&mut least_cut) {
             let (place, _) = target.at(since_s);
             for (ends, opens_s) in &ends {
                 let opens_s = *opens_s;
@@ -164,36 +175,48 @@ fn targets(prepared: &Prepared) -> Result<Option<String>, BuildErrors> {
                 let middle_s = opens_s + 0.5 * (window_s - pulse_s);
                 let delay_s = delay_s + ((middle_s - delay_s) / interval_s).round() * interval_s;
                 let window = Window { open_s: opens_s, close_s: opens_s + window_s, guard_s: 0.0, pulse_s };
-                let off_s = match window.receives(delay_s, interval_s) {
-                    true => 0.0,
-                    false => (opens_s - delay_s).max(delay_s + pulse_s - opens_s - window_s),
-                };
-                if nearest.is_none_or(|(known_s, ..)| off_s < known_s) {
-                    *nearest = Some((off_s, delay_s, opens_s));
+                let cut_s = (opens_s - delay_s).max(delay_s + pulse_s - opens_s - window_s);
+                let off_s = if window.receives(delay_s, interval_s) { 0.0 } else { cut_s };
+                for (known, own_s) in [(&mut *nearest, off_s), (&mut *least_cut, cut_s)] {
+                    if known.is_none_or(|(known_s, ..)| own_s < known_s) {
+                        *known = Some((own_s, delay_s, opens_s));
+                    }
                 }
             }
         }
     }
     let us = |from_s: f64, to_s: f64| format!("{:.2} to {:.2} us", from_s * 1e6, to_s * 1e6);
-    let mut outside: Vec<String> = scene
-        .targets
-        .iter()
-        .zip(nearest)
-        .filter_map(|(target, nearest)| {
-            let (_, delay_s, opens_s) = nearest.filter(|(off_s, ..)| *off_s > 0.0)?;
+    let named = |of: &[Option<(f64, f64, f64)>], from_s: f64| -> Vec<String> {
+        let row = |(target, found): (&Target, &Option<(f64, f64, f64)>)| {
+            let (_, delay_s, opens_s) = found.filter(|(off_s, ..)| *off_s > from_s)?;
             let (echo, window) = (us(delay_s, delay_s + pulse_s), us(opens_s, opens_s + window_s));
             Some(format!("{} (echo {echo} after the emission, window {window})", target.name))
-        })
-        .collect();
-    let (missed, targets) = (outside.len(), scene.targets.len());
-    let many = if missed == targets {
-        "no target lies in the receive window".to_owned()
-    } else {
-        format!("{missed} of {targets} targets never lie in the receive window")
+        };
+        scene.targets.iter().zip(of).filter_map(row).collect()
     };
-    outside.truncate(MOST_NAMED);
-    outside.extend((missed > MOST_NAMED).then(|| format!("{} more", missed - MOST_NAMED)));
-    Ok((missed > 0).then(|| format!("{many}: {}", outside.join(", "))))
+    let count = scene.targets.len();
+    let missed = named(&nearest, 0.0);
+    let words = match missed.len() {
+        all if all == count => "no target lies in the receive window".to_owned(),
+        some => format!("{some} of {count} targets never lie in the receive window"),
+    };
+    let mut warnings: Vec<String> = shortened(&words, missed).into_iter().collect();
+    // Of a pulse longer than the window there is always something outside.
+    if warnings.is_empty() && pulse_s <= window_s {
+        let cut = named(&least_cut, CUT_SHARE * pulse_s);
+        let words =
+            format!("the receive window cuts the echo of {} of {count} targets at all times", cut.len());
+        warnings.extend(shortened(&words, cut));
+    }
+    Ok(warnings)
+}
+
+/// A warning that names what it is of, the first of many; none of none.
+fn shortened(words: &str, mut named: Vec<String>) -> Option<String> {
+    let count = named.len();
+    named.truncate(MOST_NAMED);
+    named.extend((count > MOST_NAMED).then(|| format!("{} more", count - MOST_NAMED)));
+    (count > 0).then(|| format!("{words}: {}", named.join(", ")))
 }
 
 /// What the converter was fed with.

@@ -113,7 +113,7 @@ impl PulseFactory {
         generator: PathGenerator,
         waveform: Arc<dyn Waveform>,
     ) -> Self {
-        let front_end = FrontEnd::new(radar, scene.seed, waveform.duration_s());
+        let front_end = FrontEnd::new(radar, scene.seed, waveform.as_ref());
         let receiver = Receiver::new(radar, scene.seed, echo.fft_len(), radar.channels.len());
         let receiver = receiver.with_front_end(front_end);
         let layout = radar.layout(scene.platforms.len(), scene.targets.len());
@@ -149,7 +149,7 @@ impl PulseFactory {
             return self;
         };
         let ideal = Receiver::new(radar, scene.seed, dechirp.fft_len(), radar.channels.len());
-        let receiver = ideal.with_front_end(FrontEnd::new(radar, scene.seed, self.waveform.duration_s()));
+        let receiver = ideal.with_front_end(FrontEnd::new(radar, scene.seed, self.waveform.as_ref()));
         let layout = Layout { samples: radar.window.samples, ..self.layout };
         let reception = Reception { receiver, dechirp: Some(dechirp), ..self.reception };
         Self { reception, layout, sample_rate_hz: radar.sample_rate_hz, ..self }
@@ -224,8 +224,8 @@ impl PulseFactory {
     }
 
     /// Bandwidths of the waveforms of emitters, Hz, and lengths, s.
-    pub(crate) fn emitted(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.others.iter().map(|other| other.signal())
+    pub(crate) fn emitted(&self) -> impl Iterator<Item = &dyn Waveform> {
+        self.others.iter().map(|other| other.waveform())
     }
 
     /// Grids of one worker, bytes.

@@ -235,7 +235,7 @@ pub fn analyse(aperture: &Aperture, sought: &[Sought], tapers: [Taper; 2]) -> Ve
         let left: Vec<usize> = (0..sought.len()).filter(|place| found[*place].is_none()).collect();
         let points: Vec<(Sought, Option<Support>)> =
             left.iter().map(|place| (sought[*place], supports[*place])).collect();
-        for (place, point) in left.iter().zip(measure(aperture, &points, tapers, widening)) {
+        for (place, point) in left.iter().zip(measure((aperture, sought), &points, tapers, widening)) {
             found[*place] = point;
         }
     }
@@ -244,7 +244,7 @@ pub fn analyse(aperture: &Aperture, sought: &[Sought], tapers: [Taper; 2]) -> Ve
 
 /// The same in cross-range steps so many times as long.
 fn measure(
-    aperture: &Aperture,
+    (aperture, sought): (&Aperture, &[Sought]),
     points: &[(Sought, Option<Support>)],
     tapers: [Taper; 2],
     widening: f64,
@@ -281,11 +281,13 @@ fn measure(
         .collect();
     let (peaks, clear): (Vec<[f64; 3]>, Vec<bool>) = fast(aperture, &chips, &|_| ())
         .iter()
-        .zip(&chips)
-        .map(|(image, chip)| {
-            let power: Vec<f64> =
+        .zip(chips.iter().zip(points))
+        .map(|(image, (chip, (point, _)))| {
+            let mut power: Vec<f64> =
                 image.iter().map(|z| f64::from(z.re).powi(2) + f64::from(z.im).powi(2)).collect();
-            (brightest(&power, chip).0, stands_out(&power))
+            let all = power.clone();
+            leave_to_neighbours(&mut power, chip, point.about_m, sought);
+            (brightest(&power, chip).0, stands_out(&power, &all))
         })
         .unzip();
     let [cells, dense] = CUT;
@@ -357,10 +359,37 @@ fn judge(
 
 /// Whether the brightest pixel is [`CLEAR_DB`] above the median: a chip of noise or sea has some hundred
 /// cells, of which the brightest is 8 dB above.
-fn stands_out(power: &[f64]) -> bool {
+fn stands_out(power: &[f64], all: &[f64]) -> bool {
     let top = power.iter().copied().fold(0.0, f64::max);
-    let median = percentile(power, 50.0).unwrap_or(0.0);
+    let median = percentile(all, 50.0).unwrap_or(0.0);
     top > 0.0 && top >= median * 10f64.powf(CLEAR_DB / 10.0)
+}
+
+/// Empties the pixels that lie nearer another point that is sought, in cells.
+fn leave_to_neighbours(power: &mut [f64], chip: &Ground, own_m: [f64; 3], sought: &[Sought]) {
+    let steps = [chip.step_x_m, chip.step_y_m];
+    let from = |to_m: [f64; 3], from_m: [f64; 3]| -> f64 {
+        let along = |step: &[f64; 3]| {
+            let dot: f64 = (0..3).map(|k| (to_m[k] - from_m[k]) * step[k]).sum();
+            dot / step.iter().map(|x| x * x).sum::<f64>()
+        };
+        steps.iter().map(|step| along(step).powi(2)).sum()
+    };
+    // Those within twice the search: nearer a pixel than the point in the middle.
+    let side = chip.pixels[0] as f64;
+    let others = sought.iter().map(|other| other.about_m).filter(|other_m| *other_m != own_m);
+    let near: Vec<[f64; 3]> = others.filter(|other_m| from(*other_m, own_m) < 2.0 * side * side).collect();
+    if near.is_empty() {
+        return;
+    }
+    let columns = chip.pixels[0];
+    for (n, power) in power.iter_mut().enumerate() {
+        let pixel_m = chip.point_m((n % columns) as f64, (n / columns) as f64);
+        let own = from(pixel_m, own_m);
+        if near.iter().any(|other_m| from(pixel_m, *other_m) < own) {
+            *power = 0.0;
+        }
+    }
 }
 
 /// The brightest pixel's place, refined by a parabola along both sides of the grid, and whether it lies

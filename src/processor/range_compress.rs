@@ -37,6 +37,8 @@ use num_complex::{Complex32, Complex64};
 
 use super::taper::Taper;
 use crate::recording::header::Header;
+use crate::scene::radar::Band;
+use crate::units::in_turn;
 
 /// Most cells in a sample.
 const MOST_OVERSAMPLING: usize = 64;
@@ -105,7 +107,7 @@ pub struct Compressor {
     replicas: Vec<(Vec<Complex64>, f64)>,
     samples: usize,
     sample_rate_hz: f64,
-    bandwidth_hz: f64,
+    band: Band,
     pulse_s: f64,
     filter: RangeFilter,
     taper: Taper,
@@ -125,8 +127,8 @@ pub struct PulseShape<'a> {
     pub turns: usize,
     /// Sample rate, Hz.
     pub sample_rate_hz: f64,
-    /// Bandwidth, Hz.
-    pub bandwidth_hz: f64,
+    /// Its band about the carrier; that of all pulses in turn.
+    pub band: Band,
     /// Length, s.
     pub pulse_s: f64,
 }
@@ -138,7 +140,7 @@ impl<'a> PulseShape<'a> {
             replica: &header.replica,
             turns: header.turns(),
             sample_rate_hz: header.sample_rate_hz,
-            bandwidth_hz: header.bandwidth_hz,
+            band: header.band(),
             pulse_s: header.pulse_s,
         }
     }
@@ -163,14 +165,14 @@ impl Compressor {
         let energy = |own: &Vec<Complex64>| own.iter().map(Complex64::norm_sqr).sum();
         let least = replicas.iter().map(energy).reduce(f64::min).unwrap_or(0.0);
         let positive = |x: f64| x.is_finite() && x > 0.0;
-        let legal = [least, pulse.sample_rate_hz, pulse.bandwidth_hz].into_iter().all(positive)
+        let legal = [least, pulse.sample_rate_hz, pulse.band.width_hz()].into_iter().all(positive)
             && pulse.pulse_s.is_finite()
             && samples > 0;
         if !legal {
             return Err(CompressError::Pulse {
                 replica: pulse.replica.len(),
                 sample_rate_hz: pulse.sample_rate_hz,
-                bandwidth_hz: pulse.bandwidth_hz,
+                bandwidth_hz: pulse.band.width_hz(),
                 samples,
             });
         }
@@ -183,7 +185,7 @@ impl Compressor {
             replicas: replicas.into_iter().map(|replica| (replica, 1.0)).collect(),
             samples,
             sample_rate_hz: pulse.sample_rate_hz,
-            bandwidth_hz: pulse.bandwidth_hz,
+            band: pulse.band,
             pulse_s: pulse.pulse_s,
             filter,
             taper,
@@ -196,13 +198,19 @@ impl Compressor {
         // for 15 kHz in 60 MHz.
         let level = |(replica, _): &(Vec<Complex64>, f64)| {
             let own = made.transform(&mut replica.iter().copied());
-            own.iter().enumerate().map(|(k, q)| (q * made.weight(k, *q)).re).sum::<f64>()
+            let tapered = own.iter().enumerate().map(|(k, q)| (q * made.weight(k, *q)).re).sum::<f64>();
+            match made.filter {
+                RangeFilter::Matched => (own.iter().map(Complex64::norm_sqr).sum(), tapered),
+                RangeFilter::Flat => (tapered, tapered),
+            }
         };
-        let levels: Vec<f64> = made.replicas.iter().map(level).collect();
-        for ((_, scale), level) in made.replicas.iter_mut().zip(levels) {
-            *scale = level.recip();
+        let levels: Vec<(f64, f64)> = made.replicas.iter().map(level).collect();
+        // A taper weighs pulses in turn by where they lie in the band of all: their mean is of level 1.
+        let kept = levels.iter().map(|(all, tapered)| tapered / all).sum::<f64>() / levels.len() as f64;
+        for ((_, scale), (all, _)) in made.replicas.iter_mut().zip(levels) {
+            *scale = (all * kept).recip();
             if !positive(*scale) {
-                return Err(CompressError::Band { bandwidth_hz: pulse.bandwidth_hz });
+                return Err(CompressError::Band { bandwidth_hz: pulse.band.width_hz() });
             }
         }
         Ok(made)
@@ -240,7 +248,7 @@ impl Compressor {
 
     /// Bandwidth of the pulse, Hz.
     pub fn bandwidth_hz(&self) -> f64 {
-        self.bandwidth_hz
+        self.band.width_hz()
     }
 
     fn transform(&self, values: &mut dyn Iterator<Item = Complex64>) -> Vec<Complex64> {
@@ -252,15 +260,14 @@ impl Compressor {
 
     /// What was radiated by a pulse of this number, and its scale.
     fn replica_of(&self, number: u64) -> (&[Complex64], f64) {
-        let turn = number.checked_rem(self.replicas.len() as u64).unwrap_or(0);
-        self.replicas.get(turn as usize).map_or((&[], 1.0), |(replica, scale)| (replica, *scale))
+        in_turn(&self.replicas, number).map_or((&[], 1.0), |(replica, scale)| (replica, *scale))
     }
 
     /// What a bin of the echo is multiplied by where the pulse has `q`, without the scale.
     fn weight(&self, k: usize, q: Complex64) -> Complex64 {
         let len = self.len as f64;
         let signed = if k < self.len / 2 { k as f64 } else { k as f64 - len };
-        let x = signed / len * self.sample_rate_hz / self.bandwidth_hz;
+        let x = (signed / len * self.sample_rate_hz - self.band.middle_hz()) / self.band.width_hz();
         match (self.filter, self.taper) {
             // The whole spectrum of the pulse, what leaks over the edges of its band too.
             (RangeFilter::Matched, Taper::Uniform) => q.conj(),
@@ -345,7 +352,7 @@ mod tests {
             replica: &replica,
             turns: 1,
             sample_rate_hz: RATE_HZ,
-            bandwidth_hz: BAND_HZ,
+            band: Band::about(0.0, BAND_HZ),
             pulse_s,
         };
         Compressor::new(shape, 1024, filter, taper, oversampling).unwrap()
@@ -384,7 +391,7 @@ mod tests {
             replica: &replica,
             turns: 1,
             sample_rate_hz: RATE_HZ,
-            bandwidth_hz: 1.0,
+            band: Band::about(0.0, 1.0),
             pulse_s: 2e-8,
         };
         for filter in [RangeFilter::Matched, RangeFilter::Flat] {
@@ -418,6 +425,76 @@ mod tests {
         println!("linear interpolation {found:.1} dB, predicted {predicted:.1} dB");
         // The main lobe holds 90 % of the power in one place: half a decibel of it.
         assert!((found - predicted).abs() < 1.0);
+    }
+
+    /// Sweeps of 4 MHz up and down, 30 MHz off the carrier: each has its own level behind every taper, which
+    /// lies about their band; interpolation is as good as predicted from what is farthest off the carrier.
+    #[test]
+    fn pulses_in_turn_have_their_own_levels_off_the_carrier() {
+        let (samples, off_hz, wide_hz, pulse_s) = (400, 30e6, 4e6, 4e-6);
+        let pulse = |sign: f64| -> Vec<Complex32> {
+            let at = |i: usize| {
+                let v = i as f64 / RATE_HZ - 0.5 * pulse_s;
+                Complex64::cis(TAU * (off_hz * (v + 0.5 * pulse_s) + sign * 0.5 * wide_hz / pulse_s * v * v))
+            };
+            (0..samples).map(|i| Complex32::new(at(i).re as f32, at(i).im as f32)).collect()
+        };
+        let pulses = [pulse(1.0), pulse(-1.0)];
+        let replica = pulses.concat();
+        let band = Band::about(off_hz, wide_hz);
+        let shape = PulseShape { replica: &replica, turns: 2, sample_rate_hz: RATE_HZ, band, pulse_s };
+        let cells = oversampling(2.0 * band.reach_hz(), RATE_HZ, -60.0);
+        for taper in [Taper::Uniform, Taper::Hann, Taper::Taylor] {
+            let compressor = Compressor::new(shape, 1024, RangeFilter::Matched, taper, cells).unwrap();
+            for number in 0..4 {
+                let mut window = vec![Complex32::ZERO; 1024];
+                window[300..300 + samples].copy_from_slice(&pulses[number as usize % 2]);
+                let found = compressor.compress(&window, number, 0.0);
+                assert!((found[300 * cells] - Complex32::ONE).norm() < 2e-5, "{taper:?} {number}");
+                // Compressed as the pulse before it, it has no peak.
+                let other = compressor.compress(&window, number + 1, 0.0);
+                let most = other.iter().map(|z| z.norm()).fold(0.0, f32::max);
+                assert!(most < 0.5, "{taper:?} {number}: {most}");
+            }
+        }
+    }
+
+    /// 16 steps of 5 MHz over a band of 80 MHz: their sum has the side lobes of the taper.
+    #[test]
+    fn steps_are_weighed_by_the_taper() {
+        let (steps, step_hz, samples) = (16, 5e6, 20);
+        let pulse = |k: usize| -> Vec<Complex32> {
+            let hz = (k as f64 - 7.5) * step_hz;
+            let of = |i: usize| Complex64::cis(TAU * hz * i as f64 / RATE_HZ);
+            (0..samples).map(|i| Complex32::new(of(i).re as f32, of(i).im as f32)).collect()
+        };
+        let pulses: Vec<Vec<Complex32>> = (0..steps).map(pulse).collect();
+        let replica = pulses.concat();
+        let band = Band::about(0.0, 80e6);
+        let shape =
+            PulseShape { replica: &replica, turns: steps, sample_rate_hz: RATE_HZ, band, pulse_s: 2e-7 };
+        let lobe_db = |taper| {
+            let compressor = Compressor::new(shape, 512, RangeFilter::Matched, taper, 16).unwrap();
+            let mut sum = vec![Complex32::ZERO; compressor.cells()];
+            for (number, pulse) in pulses.iter().enumerate() {
+                let mut window = vec![Complex32::ZERO; 512];
+                window[200..200 + samples].copy_from_slice(pulse);
+                let found = compressor.compress(&window, number as u64, 0.0);
+                sum.iter_mut().zip(found).for_each(|(sum, own)| *sum += own);
+            }
+            let peak = 200 * 16;
+            assert!((sum[peak] / steps as f32 - Complex32::ONE).norm() < 1e-4, "{taper:?}: {}", sum[peak]);
+            // Beyond the main lobe, twice as wide behind the taper: cells of 20 ps in resolution cells of 12.5 ns.
+            let beyond = 2.2 * RATE_HZ * 16.0 / 80e6;
+            let off = |i: usize| (i as f64 - peak as f64).abs();
+            let lobes = (0..sum.len()).filter(|i| (beyond..beyond * 3.0).contains(&off(*i)));
+            let most = lobes.map(|i| sum[i].norm()).fold(0.0, f32::max);
+            20.0 * (most / sum[peak].norm()).log10()
+        };
+        let [plain, hann] = [Taper::Uniform, Taper::Hann].map(lobe_db);
+        println!("side lobes {plain:.1} dB, behind Hann's taper {hann:.1} dB");
+        // A periodic sinc of 16 steps (times one pulse's triangle), -17.8 dB beyond two cells; Hann's -31.5 dB.
+        assert!(plain > -20.0 && hann < -30.0);
     }
 
     #[test]

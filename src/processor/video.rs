@@ -13,10 +13,11 @@
 //! ```
 //! use nereus::processor::range_compress::PulseShape;
 //! use nereus::processor::video::Detector;
+//! use nereus::scene::radar::Band;
 //! use num_complex::Complex32;
 //! // A plain pulse of 4 samples, echoed after 10 us.
 //! let replica = vec![Complex32::ONE; 4];
-//! let shape = PulseShape { replica: &replica, turns: 1, sample_rate_hz: 1e6, bandwidth_hz: 1e6, pulse_s: 4e-6 };
+//! let shape = PulseShape { replica: &replica, turns: 1, sample_rate_hz: 1e6, band: Band::about(0.0, 1e6), pulse_s: 4e-6 };
 //! let mut detector = Detector::new(shape, 32, 1e-6, false)?;
 //! let window = (0..32).map(|i| if (6..10).contains(&i) { Complex32::ONE } else { Complex32::ZERO });
 //! let mut powers_w = Vec::new();
@@ -34,6 +35,7 @@ use num_complex::{Complex32, Complex64};
 
 use super::range_compress::{CompressError, Compressor, PulseShape, RangeFilter};
 use super::taper::Taper;
+use crate::units::in_turn;
 
 /// Values of a compressed window in a sample.
 const OVERSAMPLING: usize = 2;
@@ -134,8 +136,7 @@ impl Detector {
         self.bins.fill(Complex32::ZERO);
         self.bins.iter_mut().zip(window.take(self.samples)).for_each(|(bin, sample)| *bin = sample);
         self.forward.process_with_scratch(&mut self.bins, &mut self.scratch);
-        let turn = number.checked_rem(self.filters.len() as u64).unwrap_or(0);
-        let filter = self.filters.get(turn as usize).map_or(&[][..], Vec::as_slice);
+        let filter = in_turn(&self.filters, number).map_or(&[][..], Vec::as_slice);
         self.bins.iter_mut().zip(filter).for_each(|(bin, weight)| *bin *= weight);
         let half = self.bins.len() / 2;
         let upper = self.fine.len() - half;
@@ -149,6 +150,7 @@ impl Detector {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::radar::Band;
 
     const RATE_HZ: f64 = 25e6;
 
@@ -161,7 +163,7 @@ mod tests {
     }
 
     fn shape(replica: &[Complex32]) -> PulseShape<'_> {
-        PulseShape { replica, turns: 1, sample_rate_hz: RATE_HZ, bandwidth_hz: 20e6, pulse_s: 1e-6 }
+        PulseShape { replica, turns: 1, sample_rate_hz: RATE_HZ, band: Band::about(0.0, 20e6), pulse_s: 1e-6 }
     }
 
     /// An echo of 0.01 at sample 100, one of 1 at sample 300.

@@ -51,6 +51,7 @@ use crate::pulse::{Pulse, flags};
 use crate::scene::Radar;
 use crate::scene::calibration::{Calibration, Signal};
 use crate::time::{PulseTimes, TimeTag};
+use crate::units::in_turn;
 
 /// Why a signal cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -211,8 +212,7 @@ impl Generators {
         for (place, generator) in self.list.iter().enumerate() {
             let channel = self.first + place;
             let Generator { of, amplitude, pulses } = generator;
-            let turn = index.checked_rem(pulses.len() as u64).unwrap_or(0);
-            let samples = pulses.get(turn as usize).map_or(&[][..], Vec::as_slice);
+            let samples = in_turn(pulses, index).map_or(&[][..], Vec::as_slice);
             let window_s = pulse.window_start_of(of.receiver);
             let apart = |transmitter: Option<usize>| {
                 let clocks = self.clocks.as_ref();

@@ -36,10 +36,12 @@ use num_complex::Complex64;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::pulse::Pulse;
+use crate::radar::waveform::{Waveform, pulses};
 use crate::rng::{Room, stream};
 use crate::scene::Radar;
 use crate::scene::front_end::{Jitter, Stc};
 use crate::time::PulseTimes;
+use crate::units::in_turn;
 
 /// Prepared for the channels of a radar.
 #[derive(Clone, Debug)]
@@ -52,7 +54,8 @@ pub struct FrontEnd {
     stc: Option<Stc>,
     jitter: Option<Jitter>,
     /// From the begin of an emission on, s.
-    blanked_s: Option<f64>,
+    /// By the pulses in turn; empty where nothing is blanked.
+    blanked_s: Vec<f64>,
     emissions: PulseTimes,
     /// Of each channel, the window of its receiver, and whether its transmitter stands beside it.
     channels: Vec<(usize, bool)>,
@@ -75,8 +78,8 @@ pub fn stc_gain(stc: &Stc, after_s: f64) -> f64 {
 }
 
 impl FrontEnd {
-    /// That of a radar whose pulses last so long; `None` where it is ideal.
-    pub fn new(radar: &Radar, seed: u64, pulse_s: f64) -> Option<Self> {
+    /// That of a radar that radiates this; `None` where it is ideal.
+    pub fn new(radar: &Radar, seed: u64, waveform: &dyn Waveform) -> Option<Self> {
         let of = &radar.front_end;
         if of.is_ideal() {
             return None;
@@ -96,7 +99,9 @@ impl FrontEnd {
             offset: Complex64::new(of.offset[0], of.offset[1]),
             stc: of.stc,
             jitter: of.jitter,
-            blanked_s: of.blanked_s.map(|after_s| pulse_s + after_s),
+            blanked_s: of.blanked_s.map_or_else(Vec::new, |after_s| {
+                pulses(waveform).iter().map(|pulse| pulse.duration_s() + after_s).collect()
+            }),
             emissions: radar.emissions.clone(),
             channels: radar.channels.iter().map(channel).collect(),
         })
@@ -125,7 +130,7 @@ impl FrontEnd {
                 *sample = (*sample + derivative * late_s) * Complex64::cis(TAU * intermediate_hz * late_s);
             }
         }
-        if self.blanked_s.is_some() || self.stc.is_some() {
+        if !self.blanked_s.is_empty() || self.stc.is_some() {
             self.gate(pulse, channel, samples);
         }
         if let Some([alpha, beta]) = self.imbalance {
@@ -144,7 +149,7 @@ impl FrontEnd {
         let (window, beside) = self.channels.get(channel).copied().unwrap_or((0, true));
         let starts = pulse.window_starts_s();
         let open_s = starts.get(window).or(starts.first()).copied().unwrap_or(0.0);
-        let blanked_s = self.blanked_s.filter(|_| beside);
+        let blanked_s = |emission| in_turn(&self.blanked_s, emission).filter(|_| beside);
         // The last emission before a sample; the window may open after the next one.
         let (mut last_s, mut next) = (0.0, 1);
         let mut next_s = self.emissions.interval_s(pulse.index, pulse.index.saturating_add(1));
@@ -156,7 +161,8 @@ impl FrontEnd {
                 next_s = self.emissions.interval_s(pulse.index, pulse.index.saturating_add(next));
             }
             let after_s = t_s - last_s;
-            if blanked_s.is_some_and(|blanked_s| (0.0..blanked_s).contains(&after_s)) {
+            let emission = pulse.index.saturating_add(next - 1);
+            if blanked_s(emission).is_some_and(|blanked_s| (0.0..*blanked_s).contains(&after_s)) {
                 *sample = Complex64::ZERO;
             } else if let Some(stc) = &self.stc {
                 *sample *= stc_gain(stc, after_s);

@@ -52,6 +52,7 @@ mod stream;
 mod table;
 mod triangular;
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::fmt;
 use std::ops::Range;
@@ -63,7 +64,7 @@ use thiserror::Error;
 
 use crate::radar::phasor::phasor;
 use crate::scene;
-use crate::scene::radar::Source;
+use crate::scene::radar::{Band, Source};
 use crate::units::spanned_samples;
 
 pub use coded::Coded;
@@ -95,6 +96,11 @@ pub trait Waveform: Send + Sync {
 
     /// Swept or occupied bandwidth, Hz.
     fn bandwidth_hz(&self) -> f64;
+
+    /// The band about the carrier.
+    fn band(&self) -> Band {
+        Band::about(0.0, self.bandwidth_hz())
+    }
 
     /// Width of the side lobes of the spectrum far from the band, Hz: one over what is between two edges.
     fn lobe_hz(&self) -> f64 {
@@ -177,16 +183,34 @@ pub(crate) fn pulses(waveform: &dyn Waveform) -> Vec<&dyn Waveform> {
     }
 }
 
-/// Pulses in turn whose errors are predicted, at most.
+/// Pulses in turn up to which errors are predicted of each.
 const LOOKED_AT: usize = 8;
 
-/// What errors are predicted of: the waveform, or some of its pulses in turn, the first and the last among
-/// them.
+/// What errors are predicted of: the waveform, or its pulses in turn. Of many, those of each kind with the
+/// least and the largest length, bandwidth and product of both, and the outermost.
 pub(crate) fn looked_at(waveform: &dyn Waveform) -> Vec<&dyn Waveform> {
     let pulses = pulses(waveform);
-    let count = pulses.len().min(LOOKED_AT);
-    let place = |n: usize| n * (pulses.len() - 1) / (count - 1).max(1);
-    (0..count).filter_map(|n| pulses.get(place(n)).copied()).collect()
+    if pulses.len() <= LOOKED_AT {
+        return pulses;
+    }
+    let mut places = BTreeSet::new();
+    for kind in pulses.iter().map(|pulse| pulse.name()).collect::<BTreeSet<_>>() {
+        let figures: [fn(&dyn Waveform) -> f64; 5] = [
+            |pulse| pulse.duration_s(),
+            |pulse| pulse.bandwidth_hz(),
+            |pulse| pulse.duration_s() * pulse.bandwidth_hz(),
+            |pulse| pulse.band().from_hz,
+            |pulse| pulse.band().to_hz,
+        ];
+        for figure in figures {
+            let of_kind = || pulses.iter().enumerate().filter(|(_, pulse)| pulse.name() == kind);
+            let by = |a: &(usize, &&dyn Waveform), b: &(usize, &&dyn Waveform)| {
+                figure(*a.1).total_cmp(&figure(*b.1))
+            };
+            places.extend(of_kind().min_by(by).into_iter().chain(of_kind().max_by(by)).map(|(n, _)| n));
+        }
+    }
+    places.into_iter().filter_map(|n| pulses.get(n).copied()).collect()
 }
 
 /// [`Waveform::moment_spectrum`] by 8-point central differences of the spectrum, step `1/(16 Tc)`.
@@ -223,11 +247,7 @@ pub fn from_description(description: &scene::radar::Waveform) -> Result<Arc<dyn 
         }
         scene::radar::Waveform::Offset { of, offset_hz } => offset(from_description(of)?, *offset_hz),
         scene::radar::Waveform::InTurn { of, .. } => {
-            let pulses = of.iter().map(from_description).collect::<Result<Vec<_>, _>>()?;
-            let known = description.bandwidth_hz();
-            let widest = || pulses.iter().map(|pulse| pulse.bandwidth_hz()).fold(0.0, f64::max);
-            let bandwidth_hz = known.unwrap_or_else(widest);
-            Arc::new(InTurn::new(pulses, bandwidth_hz))
+            Arc::new(InTurn::new(of.iter().map(from_description).collect::<Result<_, _>>()?))
         }
         scene::radar::Waveform::Cw { duration_s } => Arc::new(Coded::plain(*duration_s)?),
         scene::radar::Waveform::PhaseCode { code, chip_s } => Arc::new(Coded::new(*code, *chip_s)?),

@@ -8,7 +8,9 @@ use crate::time::TimeTag;
 use super::packet::{Class, Malformed, Words};
 use super::radar;
 
-pub use super::radar::{AntennaDescription, EmitterDescription, ReplicaPiece, SignalDescription};
+pub use super::radar::{
+    AntennaDescription, EmitterDescription, PulseDescription, ReplicaPiece, SignalDescription,
+};
 
 /// Class identifiers of the extension contexts that are understood.
 const OUI: u32 = 0x004e_4552;
@@ -263,6 +265,8 @@ pub enum Extension {
     Antenna(Box<AntennaDescription>),
     /// An emitter.
     Emitter(Box<EmitterDescription>),
+    /// One of several pulses in turn.
+    Pulse(Box<PulseDescription>),
 }
 
 impl Extension {
@@ -295,6 +299,7 @@ impl Extension {
             6 => Self::Replica(radar::replica(words)?),
             7 => Self::Antenna(Box::new(radar::antenna(&mut words)?)),
             8 => Self::Emitter(Box::new(radar::emitter(&mut words)?)),
+            9 => Self::Pulse(Box::new(radar::pulse(&mut words)?)),
             _ => return Ok(None),
         }))
     }

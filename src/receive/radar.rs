@@ -8,12 +8,14 @@ use num_complex::Complex32;
 use super::packet::{Malformed, Words};
 use crate::pulse::flags::MOST_CLASS;
 use crate::recording::instrument::{
-    AntennaRow, EmitterRow, FilterRow, GateRow, Instrument, Look, WaveformRow,
+    AntennaRow, EmitterRow, FilterRow, GateRow, Instrument, Look, PulseRow, WaveformRow,
 };
 
 /// Most antennas (and as many emitters) and longest replica that are taken.
 pub(super) const ANTENNAS: u32 = 1024;
 pub(super) const REPLICA: u32 = 1 << 20;
+/// Most pulses in turn.
+pub(super) const TURNS: u32 = 1024;
 /// Samples that a piece of the replica has at least, but the last one.
 const PIECE: u32 = 32;
 
@@ -32,6 +34,17 @@ pub struct SignalDescription {
     pub window: Aimed,
     /// Error of each class of pulses, dB; empty where there is one.
     pub error_classes_db: Vec<f64>,
+    /// Pulses in turn that are described; 0 where all are alike.
+    pub turns: u32,
+}
+
+/// One of several pulses in turn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PulseDescription {
+    /// Its number, and how many there are.
+    pub number: [u32; 2],
+    /// What is said of it.
+    pub row: PulseRow,
 }
 
 /// A place to look at: its kind, the number of a platform, six numbers.
@@ -108,24 +121,28 @@ fn aimed(words: &mut Words<'_>, most: u32) -> Result<Aimed, Malformed> {
 pub(super) fn signal(words: &mut Words<'_>) -> Result<SignalDescription, Malformed> {
     let (sweep_hz_per_s, rate_hz) = (optional(words)?, optional(words)?);
     let [flat_hz, zero_hz] = finite(words)?;
-    Ok(SignalDescription {
-        earth_radius_factor: optional(words)?,
-        middle_m: finite(words)?,
-        window: aimed(words, FOLLOWED)?,
-        waveform: WaveformRow { kind: words.text()?, sweep_hz_per_s, rate_hz },
-        filter: FilterRow { kind: words.text()?, flat_hz, zero_hz },
-        error_classes_db: if words.is_empty() { Vec::new() } else { error_classes_db(words)? },
-    })
+    let (earth_radius_factor, middle_m) = (optional(words)?, finite(words)?);
+    let window = aimed(words, FOLLOWED)?;
+    let waveform = WaveformRow { kind: words.text()?, sweep_hz_per_s, rate_hz, pulses: Vec::new() };
+    let filter = FilterRow { kind: words.text()?, flat_hz, zero_hz };
+    // An addition: the error of each class of pulses, and how many leave in turn.
+    let [classes, turns] = if words.is_empty() { [0; 2] } else { [words.u32()?, words.u32()?] };
+    if classes > MOST_CLASS + 1 || turns > TURNS {
+        return Err(Malformed::Value("so many error classes, or pulses in turn,"));
+    }
+    let error_classes_db = (0..classes).map(|_| Ok(finite::<1>(words)?[0])).collect::<Result<_, _>>()?;
+    Ok(SignalDescription { waveform, filter, earth_radius_factor, middle_m, window, error_classes_db, turns })
 }
 
-/// An addition: the error of each class of pulses.
-fn error_classes_db(words: &mut Words<'_>) -> Result<Vec<f64>, Malformed> {
-    let count = words.u32()?;
-    words.u32()?;
-    if count > MOST_CLASS + 1 {
-        return Err(Malformed::Value("so many error classes"));
+pub(super) fn pulse(words: &mut Words<'_>) -> Result<PulseDescription, Malformed> {
+    let number = [words.u32()?, words.u32()?];
+    let [offset_hz, bandwidth_hz, pulse_s] = finite(words)?;
+    let sweep_hz_per_s = optional(words)?;
+    let row = PulseRow { kind: words.text()?, offset_hz, bandwidth_hz, pulse_s, sweep_hz_per_s };
+    if !row.is_legal() {
+        return Err(Malformed::Value("such a pulse"));
     }
-    (0..count).map(|_| Ok(finite::<1>(words)?[0])).collect()
+    Ok(PulseDescription { number, row })
 }
 
 pub(super) fn replica(mut words: Words<'_>) -> Result<ReplicaPiece, Malformed> {
@@ -195,7 +212,7 @@ pub(super) fn emitter(words: &mut Words<'_>) -> Result<EmitterDescription, Malfo
     let (polarisation, basis) = (words.text()?, words.text()?);
     let row = EmitterRow {
         antenna: AntennaRow { name: antenna.row.name.clone(), transmits: true, ..AntennaRow::default() },
-        waveform: WaveformRow { kind: words.text()?, sweep_hz_per_s, rate_hz },
+        waveform: WaveformRow { kind: words.text()?, sweep_hz_per_s, rate_hz, pulses: Vec::new() },
         carrier_hz,
         bandwidth_hz,
         pulse_s,
@@ -273,6 +290,7 @@ pub(super) struct Radar {
     signal: Option<SignalDescription>,
     antennas: Vec<Option<AntennaDescription>>,
     emitters: Vec<Option<EmitterDescription>>,
+    pulses: Vec<Option<PulseDescription>>,
     /// Pieces of the replica by their first samples, and the samples of a piece.
     pieces: BTreeMap<u32, Vec<Complex32>>,
     piece: u32,
@@ -301,6 +319,13 @@ fn forget<T>(list: &mut Vec<Option<T>>, [number, of]: [u32; 2]) {
     }
 }
 
+/// All entries of a list, once there are as many as were announced.
+fn announced_entries<T>(list: &[Option<T>], count: u32) -> Option<Vec<&T>> {
+    let list = if count == 0 { &[] } else { list };
+    let entries: Vec<&T> = list.iter().map(Option::as_ref).collect::<Option<_>>()?;
+    (entries.len() == count as usize).then_some(entries)
+}
+
 impl Radar {
     /// Takes a description of waveform and filter; whether it agrees with an earlier one.
     pub(super) fn learn_signal(&mut self, signal: SignalDescription) -> bool {
@@ -315,6 +340,11 @@ impl Radar {
     /// Takes an emitter.
     pub(super) fn learn_emitter(&mut self, emitter: EmitterDescription) -> bool {
         learn(&mut self.emitters, emitter.antenna.number, emitter)
+    }
+
+    /// Takes one of several pulses in turn.
+    pub(super) fn learn_pulse(&mut self, pulse: PulseDescription) -> bool {
+        learn(&mut self.pulses, pulse.number, pulse)
     }
 
     /// Takes a piece of the replica, if the run announces it: nothing is held that nobody waits for.
@@ -343,6 +373,11 @@ impl Radar {
     /// Forgets what contradicts an emitter.
     pub(super) fn forget_emitter(&mut self, number: [u32; 2]) {
         forget(&mut self.emitters, number);
+    }
+
+    /// Forgets what contradicts one of several pulses in turn.
+    pub(super) fn forget_pulse(&mut self, number: [u32; 2]) {
+        forget(&mut self.pulses, number);
     }
 
     /// Forgets what contradicts a piece of the replica: itself, or all where the pieces were of another
@@ -375,19 +410,16 @@ impl Radar {
         if known.len() != antennas as usize || got != samples as usize {
             return None;
         }
-        let others: Vec<&EmitterDescription> = if emitters == 0 {
-            Vec::new()
-        } else {
-            self.emitters.iter().map(Option::as_ref).collect::<Option<_>>()?
-        };
-        if others.len() != emitters as usize {
-            return None;
-        }
+        let others = announced_entries(&self.emitters, emitters)?;
+        let pulses = announced_entries(&self.pulses, signal.turns)?;
         let antennas =
             known.iter().map(|antenna| antenna.row(platforms)).collect::<Option<Vec<AntennaRow>>>()?;
         let emitters = others.iter().map(|emitter| emitter.row(platforms, &antennas));
         let instrument = Instrument {
-            waveform: signal.waveform.clone(),
+            waveform: WaveformRow {
+                pulses: pulses.into_iter().map(|pulse| pulse.row.clone()).collect(),
+                ..signal.waveform.clone()
+            },
             filter: signal.filter.clone(),
             earth_radius_factor: signal.earth_radius_factor,
             window: match signal.window.kind {

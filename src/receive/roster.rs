@@ -8,7 +8,7 @@ use crate::recording::instrument::Instrument;
 use crate::time::TimeTag;
 
 use super::context::{ChannelDescription, Context, Extension, Format, RunDescription};
-use super::radar::{ANTENNAS, Radar};
+use super::radar::{ANTENNAS, Radar, TURNS};
 
 /// Most channels and platforms that are taken.
 const CHANNELS: usize = 1024;
@@ -24,6 +24,7 @@ const SIGNAL_STREAM: u32 = 0x5000_0000;
 const REPLICA_STREAM: u32 = 0x6000_0000;
 const ANTENNA_STREAMS: u32 = 0x7000_0000;
 const EMITTER_STREAMS: u32 = 0x8000_0000;
+const PULSE_STREAMS: u32 = 0x9000_0000;
 
 /// Whether a stream is one that may have standard contexts.
 pub(super) fn has_contexts(stream: u32) -> bool {
@@ -42,6 +43,7 @@ pub(super) fn belongs(stream: u32, extension: &Extension) -> bool {
         Extension::Replica(_) => (REPLICA_STREAM, [0, 1], 1),
         Extension::Antenna(antenna) => (ANTENNA_STREAMS, antenna.number, ANTENNAS as usize),
         Extension::Emitter(emitter) => (EMITTER_STREAMS, emitter.antenna.number, ANTENNAS as usize),
+        Extension::Pulse(pulse) => (PULSE_STREAMS, pulse.number, TURNS as usize),
     };
     number < of && (of as usize) <= most && stream == first + number
 }
@@ -127,6 +129,7 @@ impl Roster {
             }
             Extension::Antenna(antenna) => self.radar.learn_antenna(*antenna),
             Extension::Emitter(emitter) => self.radar.learn_emitter(*emitter),
+            Extension::Pulse(pulse) => self.radar.learn_pulse(*pulse),
         };
         self.contradictions += u64::from(!agrees);
         self.complete();
@@ -145,6 +148,7 @@ impl Roster {
             Extension::Replica(piece) => self.radar.forget_piece(piece),
             Extension::Antenna(antenna) => self.radar.forget_antenna(antenna.number),
             Extension::Emitter(emitter) => self.radar.forget_emitter(emitter.antenna.number),
+            Extension::Pulse(pulse) => self.radar.forget_pulse(pulse.number),
             Extension::Platform(..) => self.platforms.clear(),
             Extension::Channel(_) => self.channels.clear(),
         }

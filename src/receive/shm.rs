@@ -27,7 +27,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::pulse::{PlatformRecord, SampleFormat};
-use crate::sinks::description::{VERSION, WINDOWS_VERSION};
+use crate::recording::header::{FORMAT_VERSION, LAST_VERSION};
 use crate::sinks::shm::layout::{PulseHeader, STATE_WORDS, state_of};
 use crate::sinks::shm::publisher::{Ipc, name, node};
 
@@ -58,7 +58,7 @@ pub enum ShmError {
     },
     /// Something else than pulses that this version knows.
     #[error(
-        "shared memory service '{service}': no pulses of version {VERSION} or {WINDOWS_VERSION}; use the same version of nereus on both sides"
+        "shared memory service '{service}': no pulses of version {FORMAT_VERSION} to {LAST_VERSION}; use the same version of nereus on both sides"
     )]
     Foreign {
         /// Name of the service.
@@ -240,7 +240,7 @@ impl Subscriber {
     fn take(&mut self, sample: Sample<Ipc, [u64], PulseHeader>) -> Result<Next, ShmError> {
         let header = *sample.user_header();
         let foreign = || ShmError::Foreign { service: self.name.clone() };
-        let format = header.format().filter(|_| (VERSION..=WINDOWS_VERSION).contains(&header.version));
+        let format = header.format().filter(|_| (FORMAT_VERSION..=LAST_VERSION).contains(&header.version));
         let format = format.ok_or_else(foreign)?;
         if header.words() != Some(sample.payload().len()) {
             return Err(foreign());

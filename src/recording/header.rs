@@ -7,18 +7,22 @@ use num_complex::Complex32;
 use serde::{Deserialize, Serialize};
 
 use super::fault::RecordingError;
-use super::instrument::{AntennaRow, EmitterRow, GateRow, Instrument, Look};
+use super::instrument::{AntennaRow, EmitterRow, GateRow, Instrument, Look, PulseRow};
 use super::shard::Shard;
 use crate::pulse::log::Log;
 use crate::pulse::{Layout, Pulse, SampleFormat, Samples};
-use crate::scene::radar::Polarisation;
+use crate::scene::radar::{Band, Polarisation};
 use crate::time::TimeTag;
-use crate::units::spanned_samples;
+use crate::units::in_turn;
 
-/// Version of the recordings' structure (HDF5 and plain), attribute `version`.
+/// Versions of the recordings' structure (HDF5 and plain), attribute `version`: the first, and what is added
+/// to it where receivers have windows of their own, and where pulses leave in turn, so that readers that would
+/// misplace the former or take the replicas of the latter for one refuse them.
 pub const FORMAT_VERSION: u32 = 1;
-/// That of recordings whose receivers have windows of their own, which readers of version 1 would misplace.
-pub const WINDOWS_VERSION: u32 = 2;
+const OF_WINDOWS: u32 = 1;
+const OF_TURNS: u32 = 2;
+/// The last of these.
+pub const LAST_VERSION: u32 = FORMAT_VERSION + OF_WINDOWS + OF_TURNS;
 
 /// Latest second of an instant: some 35,000 years.
 const MOST_SECONDS: u64 = 1 << 40;
@@ -178,18 +182,31 @@ impl Header {
     }
 
     /// The version of a recording of it.
-    pub(super) fn version(&self) -> u32 {
-        if self.layout.windows > 0 { WINDOWS_VERSION } else { FORMAT_VERSION }
+    pub(crate) fn version(&self) -> u32 {
+        let more = |of: u32, there: bool| if there { of } else { 0 };
+        FORMAT_VERSION + more(OF_WINDOWS, self.layout.windows > 0) + more(OF_TURNS, self.turns() > 1)
     }
 
     /// Pulses that leave in turn, which [`Self::replica`] holds one after the other, each as long as the
     /// longest; 1 where all are alike.
     pub fn turns(&self) -> usize {
-        let kind = self.instrument.as_ref().map(|instrument| instrument.waveform.kind.as_str());
-        if !matches!(kind, Some("in-turn" | "stepped")) {
-            return 1;
-        }
-        (self.replica.len() / spanned_samples(self.pulse_s, self.sample_rate_hz)).max(1)
+        self.in_turn().len().max(1)
+    }
+
+    /// What is said of the pulses that leave in turn; nothing where all are alike.
+    pub fn in_turn(&self) -> &[PulseRow] {
+        self.instrument.as_ref().map_or(&[], |instrument| &instrument.waveform.pulses)
+    }
+
+    /// The band of all pulses about the carrier.
+    pub fn band(&self) -> Band {
+        let bands = self.in_turn().iter().map(PulseRow::band);
+        bands.reduce(Band::with).unwrap_or(Band::about(0.0, self.bandwidth_hz))
+    }
+
+    /// That of the pulse of a number.
+    pub fn band_of(&self, number: u64) -> Band {
+        in_turn(self.in_turn(), number).map_or_else(|| self.band(), PulseRow::band)
     }
 
     /// The receiver of a channel, by its place.
@@ -201,6 +218,7 @@ impl Header {
     /// Sizes of every pulse: as many of each as have names; with a window of its own for each receiver by
     /// the version of the recording.
     pub(super) fn count(&mut self, version: u32, samples: usize, format: SampleFormat) {
+        let own_windows = version.wrapping_sub(FORMAT_VERSION) & OF_WINDOWS != 0;
         self.layout = Layout {
             channels: self.channels.len(),
             samples,
@@ -209,7 +227,7 @@ impl Header {
             antennas: self.transmitters.len() + self.receivers.len(),
             targets: self.targets.len(),
             pairs: self.pairs.len(),
-            windows: if version == WINDOWS_VERSION { self.receivers.len() } else { 0 },
+            windows: if own_windows { self.receivers.len() } else { 0 },
             ships: self.ships.len(),
             clocks: self.clocks.len(),
         };
@@ -359,6 +377,12 @@ impl Header {
             {
                 return Some(format!("a place to look at beside '{}'", platform.escape_debug()));
             }
+        }
+        if let Some(found) = instrument.waveform.fault() {
+            return Some(found);
+        }
+        if !self.replica.len().is_multiple_of(self.turns()) {
+            return Some(format!("{} pulses in turn in a replica of {}", self.turns(), self.replica.len()));
         }
         let starts_s = antennas.clone().filter_map(|antenna| match antenna.window.as_ref()? {
             GateRow::Fixed { start_s: s } | GateRow::Follow { lead_s: s, .. } => Some(*s),

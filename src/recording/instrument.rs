@@ -17,10 +17,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::frames::{Body, Vector};
 use crate::radar::filter::ReceiveFilter;
+use crate::radar::waveform;
 use crate::scene::Scene;
 use crate::scene::radar::{
-    Aim, AntennaMount, Emitter, Gate, Pattern, Pointing, PolarisationBasis, Receiver, Scan, ScanLaw, Sweep,
-    Transmitter, Waveform,
+    Aim, AntennaMount, Band, Emitter, Gate, Pattern, Pointing, PolarisationBasis, Receiver, Scan, ScanLaw,
+    Sweep, Transmitter, Waveform,
 };
 use crate::scene::sea::PatchPlace;
 
@@ -58,12 +59,30 @@ pub struct Instrument {
 /// The transmitted baseband pulse, apart from its bandwidth and length.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WaveformRow {
-    /// `lfm`, `triangular`, `nlfm`, `cw`, `phase-code` or `samples`.
+    /// As scenarios call it (`samples` of a file).
     pub kind: String,
     /// Rate of a linear sweep, Hz/s, negative when it falls.
     pub sweep_hz_per_s: Option<f64>,
     /// Rate of the samples of a waveform from a file, Hz.
     pub rate_hz: Option<f64>,
+    /// Pulses that leave in turn: number `k` modulo their number is entry `k`. None where all are alike.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pulses: Vec<PulseRow>,
+}
+
+/// One of several pulses in turn.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PulseRow {
+    /// As scenarios call it (`samples` of a file).
+    pub kind: String,
+    /// Its carrier less that of the radar or the emitter, Hz.
+    pub offset_hz: f64,
+    /// Bandwidth about its carrier, Hz.
+    pub bandwidth_hz: f64,
+    /// Length, s.
+    pub pulse_s: f64,
+    /// Rate of a linear sweep, Hz/s, negative when it falls.
+    pub sweep_hz_per_s: Option<f64>,
 }
 
 /// The receive filter.
@@ -314,7 +333,8 @@ impl AntennaRow {
 const ISOTROPIC: &str = "isotropic";
 
 impl WaveformRow {
-    fn of(waveform: &Waveform) -> Self {
+    /// Of a description; bandwidths and lengths of files among pulses in turn are 0.
+    pub fn of(waveform: &Waveform) -> Self {
         let (sweep_hz_per_s, rate_hz) = match waveform.level() {
             Waveform::Lfm { bandwidth_hz, duration_s, sweep } => {
                 let sign = if *sweep == Sweep::Up { 1.0 } else { -1.0 };
@@ -323,22 +343,63 @@ impl WaveformRow {
             Waveform::Samples { rate_hz, .. } => (None, Some(*rate_hz)),
             _ => (None, None),
         };
-        Self { kind: waveform.kind().to_owned(), sweep_hz_per_s, rate_hz }
+        let pulses = if waveform.turns() > 1 { waveform.pulses() } else { &[] };
+        let pulses = pulses.iter().map(PulseRow::of).collect();
+        Self { kind: waveform.kind().to_owned(), sweep_hz_per_s, rate_hz, pulses }
+    }
+
+    /// The same with bandwidths and lengths as they were made, those of files among them.
+    pub fn as_made(mut self, waveform: &dyn waveform::Waveform) -> Self {
+        for (row, pulse) in self.pulses.iter_mut().zip(waveform.in_turn()) {
+            (row.bandwidth_hz, row.pulse_s) = (pulse.bandwidth_hz(), pulse.duration_s());
+        }
+        self
+    }
+
+    /// What of it cannot be.
+    pub(crate) fn fault(&self) -> Option<String> {
+        let wrong = self.pulses.iter().find(|row| !row.is_legal())?;
+        Some(format!("a pulse in turn of {wrong:?}"))
+    }
+}
+
+impl PulseRow {
+    fn of(pulse: &Waveform) -> Self {
+        Self {
+            kind: pulse.kind().to_owned(),
+            offset_hz: pulse.offset_hz(),
+            bandwidth_hz: pulse.bandwidth_hz().unwrap_or(0.0),
+            pulse_s: pulse.duration_s().unwrap_or(0.0),
+            sweep_hz_per_s: WaveformRow::of(pulse).sweep_hz_per_s,
+        }
+    }
+
+    /// Whether its figures are those of a radar.
+    pub(crate) fn is_legal(&self) -> bool {
+        self.offset_hz.abs() <= 1e12
+            && (0.0..=1e12).contains(&self.bandwidth_hz)
+            && (0.0..=1e6).contains(&self.pulse_s)
+            && self.sweep_hz_per_s.is_none_or(f64::is_finite)
+    }
+
+    /// Its band about the carrier of the radar or the emitter.
+    pub fn band(&self) -> Band {
+        Band::about(self.offset_hz, self.bandwidth_hz)
     }
 }
 
 impl EmitterRow {
-    /// That of an emitter of a scene, whose waveform has this bandwidth and length.
-    pub fn of(emitter: &Emitter, scene: &Scene, [bandwidth_hz, pulse_s]: [f64; 2]) -> Self {
+    /// That of an emitter of a scene, whose waveform this is.
+    pub fn of(emitter: &Emitter, scene: &Scene, waveform: &dyn waveform::Waveform) -> Self {
         let Emitter { transmitter, emissions, .. } = emitter;
         let receivers = emitter.receivers.iter().filter_map(|place| scene.radar.receivers.get(*place));
         let pri_s = emissions.intervals_s();
         Self {
             antenna: AntennaRow::of(&transmitter.name, true, &transmitter.antenna, &scene.platforms),
-            waveform: WaveformRow::of(&emitter.waveform),
+            waveform: WaveformRow::of(&emitter.waveform).as_made(waveform),
             carrier_hz: emitter.carrier_hz,
-            bandwidth_hz,
-            pulse_s,
+            bandwidth_hz: waveform.bandwidth_hz(),
+            pulse_s: waveform.duration_s(),
             start_s: emissions.start_s(),
             prf_hz: emissions.mean_prf_hz(),
             intervals: pri_s.len().max(1) as u32,
@@ -366,6 +427,8 @@ impl EmitterRow {
             format!("carrier, bandwidth, length, PRF and power of {signal:?}")
         } else if !(self.start_s.abs() <= 1e6 && shape.iter().flatten().all(|value| value.is_finite())) {
             format!("a start of {} s, a sweep and a rate of {shape:?}", self.start_s)
+        } else if let Some(found) = self.waveform.fault() {
+            found
         } else if self.intervals == 0
             || !(pri_s.is_empty() || pri_s.len() == self.intervals as usize)
             || !pri_s.iter().all(|pri_s| (1e-10..=1e4).contains(pri_s))

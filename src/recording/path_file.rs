@@ -45,6 +45,7 @@ use crate::paths::list::ScattererPaths;
 use crate::pulse::Pulse;
 use crate::scene::Scene;
 use crate::scene::radar::{Pair, Sweep, Waveform};
+use crate::units::in_turn;
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug)]
@@ -91,7 +92,12 @@ pub fn write(
         ("window_start_s", Attribute::Real(pulse.window_start_s)),
         ("samples", Attribute::Whole(radar.window.samples as u64)),
     ];
-    match radar.waveform.level() {
+    // What the pulse itself radiated, where several leave in turn.
+    let radiated = in_turn(radar.waveform.pulses(), pulse.index).unwrap_or(&radar.waveform);
+    if radiated.offset_hz() != 0.0 {
+        attributes.push(("offset_hz", Attribute::Real(radiated.offset_hz())));
+    }
+    match radiated.level() {
         Waveform::Lfm { bandwidth_hz, duration_s, sweep } => attributes.extend([
             ("waveform", Attribute::Text("lfm")),
             ("bandwidth_hz", Attribute::Real(*bandwidth_hz)),

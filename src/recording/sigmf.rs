@@ -490,14 +490,14 @@ impl Block {
     fn annotation(&self, job: &Job, pulse: usize, place: usize) -> Value {
         let header = job.source.header();
         let (samples, index) = (header.layout.samples, self.index[pulse]);
-        let (half_hz, window_s) = (0.5 * header.bandwidth_hz, self.window_start_s[pulse]);
+        let (band, window_s) = (header.band_of(index), self.window_start_s[pulse]);
         let emission = self.utc(pulse, 0.0);
         let marks = marks(self.flags[pulse]);
         let mut annotation = json!({
             "core:sample_start": place * samples,
             "core:sample_count": samples,
-            "core:freq_lower_edge": header.carrier_hz - half_hz,
-            "core:freq_upper_edge": header.carrier_hz + half_hz,
+            "core:freq_lower_edge": header.carrier_hz + band.from_hz,
+            "core:freq_upper_edge": header.carrier_hz + band.to_hz,
             "core:label": format!("pulse {index}"),
             "core:comment": format!("emitted {emission}, window opens {} us later{marks}", window_s * 1e6),
             "nereus:pulse": index,

@@ -1,5 +1,7 @@
 //! A recording of either kind that is open for reading.
 
+#[cfg(feature = "hdf5")]
+use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 
@@ -10,6 +12,8 @@ use super::hdf5::{self, fault::Fault};
 use super::header::Header;
 use super::plain;
 use crate::files::FileFault;
+#[cfg(feature = "hdf5")]
+use crate::inputs;
 
 /// Where rows come from.
 pub(super) enum Source {
@@ -35,6 +39,12 @@ impl Source {
         }
         #[cfg(feature = "hdf5")]
         {
+            let mut signature = [0; 8];
+            let read = inputs::open(path).and_then(|mut file| file.read_exact(&mut signature));
+            if read.is_ok() && signature != *b"\x89HDF\r\n\x1a\n" {
+                let detail = "is no HDF5 file; recordings are HDF5 files or folders".to_owned();
+                return Err(RecordingError::Foreign { path: path.to_owned(), detail });
+            }
             let recorded = hdf5::reader::Reader::open(path).map_err(Fault::at(path, READING))?;
             Ok(Self::Hdf5(recorded))
         }

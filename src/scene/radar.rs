@@ -1,5 +1,6 @@
 //! The instrument, as described: transmitters, receivers, channels, waveform, windows.
 
+mod band;
 mod pointing;
 mod signals;
 mod waveform;
@@ -11,6 +12,7 @@ use crate::frames::{Body, Vector};
 use crate::pulse::{Layout, SampleFormat};
 use crate::time::PulseTimes;
 
+pub use band::Band;
 pub use pointing::{Aim, AimFrom, Encoder, Pointing, Scan, ScanLaw, Steering};
 pub use signals::{AfterEnd, CA_CHIPS_HZ, CA_RATE_HZ, Component, Datatype, Fm, IqFile, RawIq};
 pub use waveform::{Code, Constellation, Dechirp, DvbT, DvbTMode, Guard, Source, Sweep, Taper, Waveform};
@@ -395,6 +397,9 @@ pub struct AntennaMount {
     pub platform: usize,
     /// Phase centre in the body frame (forward, starboard, down), m.
     pub lever_arm: Vector<Body>,
+    /// From the middle of an array to this element of it, body frame, m: all elements aim from the middle, so
+    /// that they stay parallel. Zero of a single antenna.
+    pub of_array: Vector<Body>,
     /// Gain pattern.
     pub pattern: Pattern,
     /// Where it points.

@@ -12,16 +12,6 @@ use serde_json::{Value, json};
 use crate::pulse::{AntennaRecord, PlatformRecord, Pulse, SampleFormat};
 use crate::recording::header::Header;
 
-/// Version of these texts, and of what stands beside them: key `version`.
-pub const VERSION: u32 = 1;
-/// That of runs whose receivers have windows of their own, which readers of version 1 would misplace.
-pub const WINDOWS_VERSION: u32 = 2;
-
-/// The version of the texts of a run.
-pub fn version(header: &Header) -> u32 {
-    if header.layout.windows > 0 { WINDOWS_VERSION } else { VERSION }
-}
-
 /// How samples are held, as texts name it.
 pub fn format_name(format: SampleFormat) -> &'static str {
     match format {
@@ -35,7 +25,7 @@ pub fn of_run(header: &Header, source: u64) -> Value {
     let (start_ns, start_frac_ns) = header.start.to_unix_ns();
     json!({
         "format": "nereus-pulses",
-        "version": version(header),
+        "version": header.version(),
         "source": source,
         "software": header.software,
         "carrier_hz": header.carrier_hz,

@@ -131,3 +131,17 @@ fn an_array_is_its_receivers() {
     let off = a.iter().zip(b).map(|(a, b)| (a - b * 10.0).norm()).fold(0.0, f64::max);
     assert!(off < 1e-5 * a.iter().map(|s| s.norm()).fold(0.0, f64::max), "{off}");
 }
+
+/// Elements of an array that is aimed are parallel: all aim from its middle.
+#[test]
+fn elements_aim_alike() {
+    let aimed = format!(
+        "pointing = {{ kind = \"at\", position_m = {TARGET_M:?} }}\n\
+         array = {{ elements = 32, spacing_m = [0.0, 1.0, 0.0] }}"
+    );
+    let run = run("reference", &aimed);
+    let pulses = runs::kept(build::stream(&run, 0..1).unwrap());
+    let looks: Vec<_> = pulses[0].antennas[1..].iter().map(|antenna| antenna.boresight_quat).collect();
+    assert_eq!(looks.len(), 32);
+    assert!(looks.iter().all(|look| *look == looks[0]), "{looks:?}");
+}

@@ -154,3 +154,19 @@ fn windows_of_several_pulses_are_refused() {
         assert!(error.contains("gate = \"continuous\""), "{error}");
     }
 }
+
+/// Eleven plain pulses and one wide sweep among them, of a target that moves fast: what is promised is kept of
+/// the sweep as well.
+#[test]
+fn one_unlike_pulse_among_many_keeps_the_error() {
+    let plain = "{ kind = \"cw\", pulse_s = 20e-6 }";
+    let sweep = "{ kind = \"lfm\", bandwidth_hz = 38e6, pulse_s = 20e-6 }";
+    let pulses: Vec<&str> = (0..12).map(|n| if n == 7 { sweep } else { plain }).collect();
+    let radar = format!(
+        "prf_hz = 2000.0\nchannels = [\"HH\"]\nwaveform = {{ kind = \"in-turn\", waveforms = [{}] }}\n\
+         window = {{ samples = 1200, start_us = 15.2 }}",
+        pulses.join(", ")
+    );
+    let settings = [("target.0.velocity_mps", "[10, -300, 0]"), ("fidelity.error_db", "-50")];
+    runs::keeps_the_error("one sweep among eleven plain pulses", &run(false, &radar, "", &settings));
+}

@@ -167,7 +167,7 @@ pub(super) fn in_turn(
         _ => format!("kind = \"cw\", pulse_s = {:?}", signal.pulse_s * draw.log(0.1, 1.0)),
     };
     let mut pulses = vec![own.clone()];
-    pulses.extend((0..draw.one(&[1, 1, 2, 4])).map(|_| other(draw)));
+    pulses.extend((0..draw.one(&[1, 1, 2, 4, 11])).map(|_| other(draw)));
     let keys = match draw.chance(0.25) && free_hz > 0.0 {
         true => {
             let steps = draw.one(&[2, 5, 16]);

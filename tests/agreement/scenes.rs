@@ -35,6 +35,7 @@ fn mount(platform: usize) -> AntennaMount {
     AntennaMount {
         platform,
         lever_arm: Vector::ZERO,
+        of_array: Vector::ZERO,
         pattern: Pattern::Isotropic { gain_dbi: GAIN_DBI },
         pointing: Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 },
         ports: nereus::scene::radar::PortErrors::default(),

@@ -7,6 +7,7 @@ use nereus::processor::backproject::{Aperture, PulseEcho, difference_db, fast, r
 use nereus::processor::range_compress::{Compressor, PulseShape, RangeFilter, interpolation_error_db};
 use nereus::processor::taper::Taper;
 use nereus::recording::ground::Ground;
+use nereus::scene::radar::Band;
 
 use crate::geometries::{BAND_HZ, GEOMETRIES, PHASE_RAD, TARGET_M, aperture, compressor};
 
@@ -60,7 +61,7 @@ fn late_in_a_long_window_an_image_is_as_good_as_early() {
         replica: &replica,
         turns: 1,
         sample_rate_hz: RATE_HZ,
-        bandwidth_hz: BAND_HZ,
+        band: Band::about(0.0, BAND_HZ),
         pulse_s: 1e-6,
     };
     let compressor = Compressor::new(shape, samples, RangeFilter::Flat, Taper::Uniform, 16).unwrap();

@@ -6,6 +6,7 @@ use nereus::processor::point_target::{analyse, locate};
 use nereus::processor::range_compress::{Compressor, PulseShape, RangeFilter};
 use nereus::processor::taper::Taper;
 use nereus::recording::ground::Ground;
+use nereus::scene::radar::Band;
 use num_complex::Complex32;
 use proptest::prelude::*;
 
@@ -86,8 +87,13 @@ fn image(case: &Case) -> Result<usize, TestCaseError> {
     };
     let (transmitter, receiver) = (line(case.start, case.speed), line(case.other, [0.0; 3]));
     let replica: Vec<Complex32> = (0..9).map(|i| Complex32::cis(0.3 * (i * i) as f32)).collect();
-    let shape =
-        PulseShape { replica: &replica, turns: 1, sample_rate_hz: RATE_HZ, bandwidth_hz: 6e7, pulse_s: 9e-8 };
+    let shape = PulseShape {
+        replica: &replica,
+        turns: 1,
+        sample_rate_hz: RATE_HZ,
+        band: Band::about(0.0, 6e7),
+        pulse_s: 9e-8,
+    };
     let filter = if case.flat { RangeFilter::Flat } else { RangeFilter::Matched };
     let taper = [Taper::Uniform, Taper::Hann, Taper::Taylor, Taper::Kaiser][case.taper];
     let compressor = Compressor::new(shape, case.samples, filter, taper, 8).unwrap();

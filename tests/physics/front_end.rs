@@ -2,10 +2,12 @@
 //! control, blanking, jitter of the sampling clock.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use nereus::pulse::{Pulse, SampleFormat};
 use nereus::radar::front_end::FrontEnd;
 use nereus::radar::receiver::Receiver;
+use nereus::radar::waveform::{Coded, InTurn, Waveform};
 use nereus::scene::Radar;
 use nereus::scene::front_end::{self, Jitter, Stc};
 use nereus::scene::radar::{
@@ -23,9 +25,18 @@ fn with(front_end: front_end::FrontEnd) -> Radar {
     Radar { front_end, ..radar(N, None, None) }
 }
 
+fn plain(pulse_s: f64) -> Coded {
+    Coded::plain(pulse_s).unwrap()
+}
+
 /// Samples of a pulse whose spectrum is a tone of amplitude 1 in a bin, as a receiver has them.
 fn tone(radar: &Radar, bin: usize, index: u64) -> Vec<Complex64> {
-    let receiver = Receiver::new(radar, 7, N, 1).with_front_end(FrontEnd::new(radar, 7, PULSE_S));
+    received(radar, &plain(PULSE_S), bin, index)
+}
+
+/// The same of a radar that radiates this.
+fn received(radar: &Radar, waveform: &dyn Waveform, bin: usize, index: u64) -> Vec<Complex64> {
+    let receiver = Receiver::new(radar, 7, N, 1).with_front_end(FrontEnd::new(radar, 7, waveform));
     let mut spectrum = vec![Complex64::ZERO; N];
     // s_j = (fs/N) S e^{j 2 pi j k/N}.
     spectrum[bin] = Complex64::from(N as f64 / FS_HZ);
@@ -110,6 +121,7 @@ fn receivers_elsewhere_are_not_blanked() {
     let mount = |platform: usize| AntennaMount {
         platform,
         lever_arm: nereus::frames::Vector::ZERO,
+        of_array: nereus::frames::Vector::ZERO,
         pattern: Pattern::Isotropic { gain_dbi: 0.0 },
         pointing: Pointing::Fixed { yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 },
         ports: nereus::scene::radar::PortErrors::default(),
@@ -162,5 +174,27 @@ fn jitter_has_the_noise_floor_of_its_tone() {
 
 #[test]
 fn an_ideal_front_end_is_none() {
-    assert!(FrontEnd::new(&with(front_end::FrontEnd::default()), 1, PULSE_S).is_none());
+    assert!(FrontEnd::new(&with(front_end::FrontEnd::default()), 1, &plain(PULSE_S)).is_none());
+}
+
+/// Of several pulses in turn each is blanked as long as it lasts.
+#[test]
+fn pulses_in_turn_are_blanked_by_their_own_lengths() {
+    let errors = front_end::FrontEnd { blanked_s: Some(0.0), ..Default::default() };
+    let radar = Radar {
+        emissions: PulseTimes::uniform(10e3).unwrap(),
+        window: Window { samples: N, gate: Gate::Fixed { start_s: 0.0 } },
+        ..with(errors)
+    };
+    let lengths_s = [2e-6, 0.5e-6, 7e-6];
+    let waveform = InTurn::new(lengths_s.iter().map(|s| Arc::new(plain(*s)) as Arc<dyn Waveform>).collect());
+    for index in 0..6 {
+        let samples = received(&radar, &waveform, 5, index);
+        let blank = samples.iter().take_while(|sample| sample.norm() == 0.0).count();
+        let wanted = (lengths_s[index as usize % 3] * FS_HZ).ceil();
+        assert!(
+            (blank as f64 - wanted).abs() <= 1.0,
+            "pulse {index}: {blank} samples, {wanted} of its length"
+        );
+    }
 }

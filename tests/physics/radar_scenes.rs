@@ -21,6 +21,7 @@ pub fn pointed_at(platform: usize, target: [f64; 3]) -> AntennaMount {
     AntennaMount {
         platform,
         lever_arm: Vector::ZERO,
+        of_array: Vector::ZERO,
         pattern: Pattern::Isotropic { gain_dbi: 0.0 },
         pointing: Pointing::At {
             aim: Aim::Point { position: point(target), velocity: Vector::ZERO },

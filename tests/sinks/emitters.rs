@@ -33,7 +33,12 @@ pub fn disturbed(format: SampleFormat) -> Header {
             look,
             window: None,
         },
-        waveform: WaveformRow { kind: text("lfm"), sweep_hz_per_s: Some(2e12), rate_hz: None },
+        waveform: WaveformRow {
+            kind: text("lfm"),
+            sweep_hz_per_s: Some(2e12),
+            rate_hz: None,
+            pulses: Vec::new(),
+        },
         carrier_hz: 9.612e9,
         bandwidth_hz: 4e6,
         pulse_s: 0.25,
@@ -55,7 +60,12 @@ pub fn disturbed(format: SampleFormat) -> Header {
             aperture_m: None,
             ..radar.antenna.clone()
         },
-        waveform: WaveformRow { kind: text("samples"), sweep_hz_per_s: None, rate_hz: Some(8e6) },
+        waveform: WaveformRow {
+            kind: text("samples"),
+            sweep_hz_per_s: None,
+            rate_hz: Some(8e6),
+            pulses: Vec::new(),
+        },
         intervals: 1,
         pri_s: Vec::new(),
         receivers: Vec::new(),

@@ -10,6 +10,7 @@ mod emitters;
 mod gpsd;
 #[path = "../support/listing.rs"]
 mod listing;
+mod in_turn;
 mod navigation;
 mod recording_fixture;
 mod recording_outputs;

@@ -72,7 +72,12 @@ pub fn header(format: SampleFormat) -> Header {
 pub fn instrument() -> Instrument {
     let text = str::to_owned;
     Instrument {
-        waveform: WaveformRow { kind: text("lfm"), sweep_hz_per_s: Some(-8e13), rate_hz: None },
+        waveform: WaveformRow {
+            kind: text("lfm"),
+            sweep_hz_per_s: Some(-8e13),
+            rate_hz: None,
+            pulses: Vec::new(),
+        },
         filter: FilterRow { kind: text("raised-cosine"), flat_hz: 40e6, zero_hz: 50e6 },
         earth_radius_factor: Some(4.0 / 3.0),
         window: Some(Look::Point { position_m: [1.5, 2.0, -3.0], velocity_mps: [0.1, 0.2, 0.3] }),

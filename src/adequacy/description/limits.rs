@@ -8,7 +8,7 @@ use crate::scene::radar::Pattern;
 use crate::units::neat;
 
 /// Effects that are left out of every run: what, and what stands for it.
-const NEVER: [(&str, &str); 10] = [
+const NEVER: [(&str, &str); 9] = [
     ("multipath to ships", "no reflection from the sea between antenna and hull"),
     ("echo of spray", "none of its own"),
     (
@@ -22,12 +22,8 @@ const NEVER: [(&str, &str); 10] = [
         "far-field patterns; no coupling between ports but cross_pol_isolation_db, no radome",
     ),
     ("pattern over frequency", "gain and phase are those of the carrier over the whole band"),
-    ("blanking", "no T/R blanking: the receiver is open during transmission"),
-    ("transmitter", "every pulse has the same amplitude and shape; no droop, no noise of its own"),
-    (
-        "receiver errors",
-        "no I/Q imbalance, offset, gain control or intermodulation; no aperture jitter of the ADC",
-    ),
+    ("transmitter", "its amplitude does not vary from pulse to pulse; no noise of its own"),
+    ("intermodulation", "the receiver is linear up to its converter"),
 ];
 
 /// Carrier above which evaporation ducts guide, Hz.

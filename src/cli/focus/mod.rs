@@ -69,7 +69,14 @@ pub struct FocusArgs {
     #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     pub centre_m: Vec<f64>,
     /// Sides of the image, East and North, or both
-    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, default_value = "512")]
+    #[arg(
+        long,
+        value_name = "X,Y",
+        value_delimiter = ',',
+        num_args = 1,
+        default_value = "512",
+        allow_negative_numbers = true
+    )]
     pub size_m: Vec<f64>,
     /// Distance of pixels
     #[arg(long, value_name = "M", default_value_t = 1.0)]
@@ -180,6 +187,10 @@ pub(super) fn focus(args: &FocusArgs, out: &mut dyn Write) -> Result<(), CliErro
         && asked.end - 1 > *last
     {
         warn([format!("--pulses {}..{}: the recording ends with pulse {last}", asked.first, asked.end)]);
+    }
+    let (held, of_run) = (recording.index.len() as u64, recording.header.pulses);
+    if args.pulses.is_none() && held < of_run {
+        warn([format!("{}: holds {held} of the {of_run} pulses of its run", path.display())]);
     }
     let described = scenario.as_ref().map(Scenario::described);
     let focuser = Focuser::new(&recording, described, &args.settings()).map_err(at(path))?;

@@ -3,7 +3,7 @@
 use super::*;
 
 tables! {
-    ship "[[ship]]" "A ship on a straight course at constant speed through water at rest, or on a track: its waves, the water that it stirs. Exactly one direction, or a track." {
+    ship "[[ship]]" "A ship on a straight course at constant speed through water at rest, or on a track: its waves and its turbulent wake. Exactly one direction, or a track." {
         NAME "name", Name, Means("ship-<number>, counted from 0"), "Its name, unique among ships.";
         HULL "hull", FileOr("wigley"), Required, "A description (.toml) or an offset table (.csv), see hulls/README.md; or the parabolic hull of Wigley.";
         LENGTH_M "length_m", number("m", 0.05, 1000.0), Means("that of the hull's file; required with \"wigley\""), "Length on the waterline to which the hull is scaled.";
@@ -69,7 +69,7 @@ tables! {
         WAYPOINTS_M "waypoints_m", Kind::Points { unit: "m", least: 2, most: 1000, limit: FAR_M }, Means("waypoints_deg is given"), "waypoints: East and North. Before the first and after the last it goes straight on.";
         WAYPOINTS_DEG "waypoints_deg", Kind::Points { unit: "deg", least: 2, most: 1000, limit: 360.0 }, Means("waypoints_m is given"), "waypoints: latitude and longitude.";
         SPEED_MPS "speed_mps", above("m/s", 0.0, FAST_MPS), Required, "waypoints: speed, constant.";
-        TURN_RADIUS_M "turn_radius_m", above("m", 0.0, 1e7), Required, "waypoints: least radius of a turn; it cuts the corner, and bends by and by.";
+        TURN_RADIUS_M "turn_radius_m", above("m", 0.0, 1e7), Required, "waypoints: least radius of a turn; it cuts the corner, and its curvature changes gradually.";
         BEGIN_S "begin_s", number("s", -1e7, 1e7), default(0.0), "waypoints: when it leaves the first, after pulse 0.";
     }
     turbulent "[ship.turbulent]" "The dark V behind a ship: width 4 B (x / 4 L)^(1/a) at a distance x from the stern, with length L and beam B." {

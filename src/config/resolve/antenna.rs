@@ -85,6 +85,7 @@ pub(super) fn mount(
     Some(AntennaMount {
         platform: platform?,
         lever_arm: Vector::new(forward, starboard, down),
+        of_array: Vector::ZERO,
         pattern: pattern?,
         pointing: pointing?,
         ports: PortErrors { isolation_db, ..PortErrors::default() },

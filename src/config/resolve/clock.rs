@@ -13,6 +13,8 @@ const DAY_S: f64 = 86_400.0;
 #[derive(Default)]
 pub(super) struct Given {
     clocks: Clocks,
+    /// Further names of antennas that share a clock, and its place.
+    also: Vec<(String, usize)>,
     faulty: bool,
 }
 
@@ -32,9 +34,10 @@ impl Given {
         list.push(place);
     }
 
-    /// The next receiver has the clock of the last.
-    pub(super) fn share_last(&mut self) {
+    /// The next receiver, of this name, has the clock of the last.
+    pub(super) fn share_last(&mut self, name: Option<String>) {
         let last = self.clocks.receivers.last().copied().flatten();
+        self.also.extend(name.zip(last));
         self.clocks.receivers.push(last);
     }
 
@@ -72,6 +75,8 @@ impl Given {
         let place = match (shares, other) {
             (true, Some(other)) => {
                 let found = self.clocks.clocks.iter().position(|clock| clock.name == other);
+                let also = || self.also.iter().find(|(name, _)| *name == other).map(|(_, place)| *place);
+                let found = found.or_else(also);
                 if found.is_none() {
                     let known: Vec<&str> = self.clocks.clocks.iter().map(|c| c.name.as_str()).collect();
                     let known =

@@ -7,7 +7,7 @@ use crate::config::error::Problem;
 use crate::config::keys;
 use crate::config::section::Section;
 use crate::scene::Emitter;
-use crate::scene::radar::{Transmitter, Waveform};
+use crate::scene::radar::{Band, Transmitter, Waveform};
 
 /// Names that emitters refer to, or may not have.
 pub(super) struct Known<'n> {
@@ -60,7 +60,7 @@ fn emitter(
         let reaches_hz = match waveform.level() {
             Waveform::Samples { rate_hz, .. } => 0.5 * rate_hz,
             // Of what a file has it is not known yet.
-            other => other.band_hz().map_or(f64::INFINITY, |[from_hz, to_hz]| to_hz.max(-from_hz)),
+            other => other.band().map_or(f64::INFINITY, Band::reach_hz),
         };
         let (begins_hz, half_hz) = ((own_hz - radar_hz).abs() - reaches_hz, 0.5 * sample_rate_hz);
         if begins_hz >= half_hz {

@@ -45,10 +45,15 @@ pub(super) fn intervals(
 
 /// A chirp against the length of its pulse.
 pub(super) fn band(radar: &Section<'_>, waveform: Option<&Waveform>) {
-    let Some(&Waveform::Lfm { bandwidth_hz, duration_s, .. }) = waveform.map(Waveform::level) else { return };
-    if bandwidth_hz * duration_s < 1.0 - 1e-9 {
+    for pulse in waveform.map_or(&[][..], Waveform::pulses) {
+        let &Waveform::Lfm { bandwidth_hz, duration_s, .. } = pulse.level() else { continue };
+        if bandwidth_hz * duration_s >= 1.0 - 1e-9 {
+            continue;
+        }
         let cell_m = 0.5 * SPEED_OF_LIGHT_MPS * duration_s;
         radar.reader().warn(Warning::NarrowBand { bandwidth_hz, pulse_us: microseconds(duration_s), cell_m });
+        // Once: many may be alike.
+        return;
     }
 }
 

@@ -24,11 +24,16 @@ pub(super) fn receivers(
     let is_array = section.has(&k::ARRAY);
     let of_array = array.as_ref().map_or(1, |array| array.errors.len());
     for element in 0..of_array {
-        let own = name.as_ref().map(|name| if is_array { format!("{name}-{element}") } else { name.clone() });
+        // Nobody asks for elements of an array that is not known.
+        let known = if is_array && array.is_none() { None } else { name.as_ref() };
+        let own = known.map(|name| if is_array { format!("{name}-{element}") } else { name.clone() });
         names.enter(&section, &k::NAME, own, &[transmitters]);
+        if element == 0 {
+            clocks.take(&section, &k::CLOCK, names.last(), true);
+        } else {
+            clocks.share_last(names.last());
+        }
     }
-    clocks.take(&section, &k::CLOCK, names.last(), true);
-    (1..of_array).for_each(|_| clocks.share_last());
     let antenna = antenna::mount(&section, &mount_keys!(receiver), ground, platforms);
     let (gain_db, phase_deg) = (section.number(&k::GAIN_DB), section.number(&k::PHASE_DEG));
     let own = section.has(&k::WINDOW);
@@ -57,11 +62,12 @@ pub(super) fn receivers(
             phase_rad: mount.ports.phase_rad + phase_deg.to_radians(),
             ..mount.ports
         };
-        let lever_arm = mount.lever_arm + Vector::new(forward, starboard, down);
+        let of_array = Vector::new(forward, starboard, down);
+        let lever_arm = mount.lever_arm + of_array;
         let name = names.names.get(first + n).cloned().flatten()?;
         Some(Receiver {
             name,
-            antenna: AntennaMount { lever_arm, ports, ..mount.clone() },
+            antenna: AntennaMount { lever_arm, of_array, ports, ..mount.clone() },
             gate: gate.clone(),
         })
     };

@@ -122,6 +122,15 @@ fn arrays_are_rows_of_receivers() {
     assert!(
         clocks[0].is_some() && clocks[..3].iter().all(|clock| *clock == clocks[0]) && clocks[3].is_none()
     );
+    // The clock goes by any of the elements.
+    assert_eq!(run.clocks.clocks[0].name, "rx1-0");
+    for element in ["rx1-0", "rx1-2"] {
+        let shared = format!("clock = {{ same_as = \"{element}\" }}");
+        let run = parse(&text([array, &shared], HH), Path::new("two.toml"), &[]).unwrap();
+        assert_eq!(run.clocks.receivers[3], run.clocks.receivers[0]);
+    }
+    let heard = "channel = [{ polarisation = 'VV', transmitter = 'tx1', receiver = 'rx1-1' }]";
+    insta::assert_snapshot!(faults(["array = { elements = 1, spacing_m = [0, 1, 0] }", ""], heard), @"receiver.0.array.elements: 1 is out of range; allowed: a whole number from 2 to 64");
     insta::assert_snapshot!(faults(["array = { elements = 1, spacing_m = [0, 0, 0] }", ""], HH), @"
 receiver.0.array.elements: 1 is out of range; allowed: a whole number from 2 to 64
 receiver.0.array.spacing_m: no distance is not allowed; allowed: a distance between elements

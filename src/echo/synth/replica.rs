@@ -7,6 +7,7 @@ use super::doppler::{self, Correction};
 use super::scalar::Scalar;
 use super::{Bin, Settings, Synth, SynthError};
 use crate::radar::waveform::Waveform;
+use crate::units::in_turn;
 
 /// Bins whose spectra are found together.
 const TOGETHER: usize = 64;
@@ -19,14 +20,17 @@ impl<T: Scalar> Synth<T> {
 
     /// What an emission radiates where several pulses leave in turn.
     pub fn in_turn(&self, emission: u64) -> Option<&dyn Waveform> {
-        let pulses = self.waveform.in_turn();
-        let place = emission.checked_rem(pulses.len() as u64)?;
-        pulses.get(place as usize).map(AsRef::as_ref)
+        in_turn(self.waveform.in_turn(), emission).map(AsRef::as_ref)
     }
 
     /// How many pulses leave in turn; 0 where all are alike.
     pub fn turns(&self) -> u64 {
         self.waveform.in_turn().len() as u64
+    }
+
+    /// What the replicas of a pulse take, bytes.
+    pub fn replica_bytes(&self) -> u64 {
+        (self.layers.len() * self.bins.len() * size_of::<Complex64>()) as u64
     }
 
     /// As [`Self::fill_in`], where something of its own was radiated.

@@ -25,7 +25,6 @@ mod joint;
 mod points;
 mod spectra;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -51,6 +50,7 @@ use crate::pulse::costs::Stage;
 
 pub(crate) use joint::Joint;
 use joint::JointWork;
+use spectra::Turned;
 
 /// Most pulses of which points have polynomials in common: phases are rounded by the square of their number.
 const POINT_PULSES: usize = 192;
@@ -127,8 +127,7 @@ struct BlockWork {
     panels: Option<Box<PanelWork>>,
     /// For pulses that are taken in bands of Doppler.
     bands: Option<Bands<f32>>,
-    /// What takes the grids of the block at hand to spectra, by the pulses that leave in turn.
-    of_turns: BTreeMap<u64, Vec<Vec<Complex64>>>,
+    of_turns: Turned,
     /// Where grids are those of emissions.
     joint: Option<Box<JointWork>>,
     /// Scatterer paths of the block at hand that are spread, over all pairs.
@@ -150,7 +149,9 @@ impl EchoEngine for BlockEcho {
     }
 
     fn needs(&self) -> Needs {
-        let pulse_bytes = self.synth.pulse_bytes();
+        // Replicas of the block at hand, spread over its pulses.
+        let replicas = self.synth.replica_bytes() * self.synth.turns().min(self.length);
+        let pulse_bytes = self.synth.pulse_bytes() + replicas / self.length.max(1);
         Needs { pulse_bytes, lists: NODES + 1, panel_pulses: self.pulses_of_panels() + 1 }
     }
 
@@ -252,7 +253,7 @@ impl BlockEcho {
             factors: Vec::with_capacity(breakers * pairs * part),
             panels: generator.panel_work(variant, self.pulses_of_panels()),
             bands: self.band_hz().map(|_| self.synth.bands()),
-            of_turns: BTreeMap::new(),
+            of_turns: Turned::default(),
             joint: self.joint.as_ref().map(|joint| Box::new(JointWork::new(joint, self.synth.fft_len()))),
             spread: 0,
         }
@@ -277,7 +278,7 @@ impl BlockEcho {
         if !(work.next..work.made.end).contains(&index) {
             work.made = 0..0;
             work.made = self.prepare(generator, index, pulse, memory, work)?;
-            work.of_turns.clear();
+            work.of_turns.forget();
         }
         work.next = index + 1;
         if work.silent {

@@ -9,6 +9,36 @@ use crate::pipeline::kit::Desk;
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
 
+/// What takes the grids of the block at hand to spectra, by the pulses that leave in turn.
+#[derive(Default)]
+pub(super) struct Turned {
+    replicas: Vec<(u64, Vec<Vec<Complex64>>)>,
+    /// How many of them are of the block at hand.
+    known: usize,
+}
+
+impl Turned {
+    /// Forgets those of another block; their memory stays.
+    pub(super) fn forget(&mut self) {
+        self.known = 0;
+    }
+
+    fn of(&mut self, turn: u64, fill: impl FnOnce(&mut Vec<Vec<Complex64>>)) -> &[Vec<Complex64>] {
+        let place = self.replicas[..self.known].iter().position(|(own, _)| *own == turn);
+        let place = place.unwrap_or_else(|| {
+            if self.known == self.replicas.len() {
+                self.replicas.push((turn, Vec::new()));
+            }
+            let (own, replicas) = &mut self.replicas[self.known];
+            *own = turn;
+            fill(replicas);
+            self.known += 1;
+            self.known - 1
+        });
+        &self.replicas[place].1
+    }
+}
+
 impl BlockEcho {
     /// The spectra of a pulse of the block at hand, by its index and by the number of its emission: of what
     /// that radiated.
@@ -23,10 +53,8 @@ impl BlockEcho {
         let Some(own) = self.synth.in_turn(number) else {
             return self.synth.spectrum_in(frame, grids, at, scratch, spectrum);
         };
-        let replicas = of_turns.entry(number % self.synth.turns()).or_insert_with(|| {
-            let mut replicas = Vec::new();
-            self.synth.replicas_of(own, frame.mean_hz(), &mut replicas);
-            replicas
+        let replicas = of_turns.of(number % self.synth.turns(), |replicas| {
+            self.synth.replicas_of(own, frame.mean_hz(), replicas);
         });
         self.synth.spectrum_by(replicas, (frame, at), grids, scratch, spectrum);
     }

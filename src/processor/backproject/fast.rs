@@ -434,6 +434,7 @@ mod tests {
     use crate::processor::backproject::PulseEcho;
     use crate::processor::range_compress::{Compressor, PulseShape, RangeFilter};
     use crate::processor::taper::Taper;
+    use crate::scene::radar::Band;
 
     #[test]
     fn cosines_and_sines_of_all_turns() {
@@ -455,8 +456,13 @@ mod tests {
         let points = times_s.iter().map(|t| [200.0 * t, -900.0, 300.0]).collect();
         let path = PhasePath::new(times_s.clone(), points).unwrap();
         let replica: Vec<Complex32> = (0..20).map(|i| Complex32::cis(0.05 * (i * i) as f32)).collect();
-        let shape =
-            PulseShape { replica: &replica, turns: 1, sample_rate_hz: 1e8, bandwidth_hz: 6e7, pulse_s: 2e-7 };
+        let shape = PulseShape {
+            replica: &replica,
+            turns: 1,
+            sample_rate_hz: 1e8,
+            band: Band::about(0.0, 6e7),
+            pulse_s: 2e-7,
+        };
         let compressor = Compressor::new(shape, 128, RangeFilter::Matched, Taper::Uniform, 8).unwrap();
         let samples: Vec<Complex32> = (0..128).map(|i| Complex32::cis((i * i) as f32)).collect();
         let echo = |t: &f64| PulseEcho {

@@ -226,7 +226,7 @@ impl<'a> Focuser<'a> {
 
     /// Predicted error of the interpolation between cells of a compressed pulse, dB.
     pub fn interpolation_error_db(&self) -> f64 {
-        interpolation_error_db(self.recording.header.bandwidth_hz, self.compressor.cell_rate_hz())
+        interpolation_error_db(2.0 * self.recording.header.band().reach_hz(), self.compressor.cell_rate_hz())
     }
 
     /// Places of the channels of echoes whose samples the recording holds.
@@ -374,7 +374,7 @@ fn compressor(recording: &Recording, settings: &Settings) -> Result<Compressor, 
     if !(-100.0..0.0).contains(&found_db) {
         return Err(FocusError::Interpolation { found_db });
     }
-    let cells = oversampling(header.bandwidth_hz, header.sample_rate_hz, found_db);
+    let cells = oversampling(2.0 * header.band().reach_hz(), header.sample_rate_hz, found_db);
     let shape = PulseShape::of(header);
     Ok(Compressor::new(shape, header.layout.samples, settings.filter, settings.window, cells)?)
 }

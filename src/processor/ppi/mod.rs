@@ -128,6 +128,8 @@ impl Ppi {
             readings_rad[place] + from_north - headings_rad[place]
         };
         let half_c = 0.5 * SPEED_OF_LIGHT_MPS;
+        let widths_hz = header.in_turn().iter().map(|row| row.bandwidth_hz);
+        let narrowest_hz = widths_hz.reduce(f64::min).unwrap_or(header.bandwidth_hz);
         let starts = || pulses.iter().map(|pulse| half_c * recording.window_start_of(*pulse, channel));
         let near_m = starts().fold(f64::INFINITY, f64::min).max(0.0);
         let length_m = half_c * (samples - 1) as f64 / header.sample_rate_hz;
@@ -136,7 +138,7 @@ impl Ppi {
             bearings_rad: (0..pulses.len()).map(bearing).collect(),
             extent: Extent {
                 beam_rad,
-                resolution_m: half_c / header.bandwidth_hz,
+                resolution_m: half_c / narrowest_hz,
                 lobes_m: half_c * header.pulse_s,
             },
             ranges_m: [near_m, far_m.max(near_m)],

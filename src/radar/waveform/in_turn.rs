@@ -7,7 +7,7 @@
 //! use nereus::scene::radar::Sweep;
 //! use std::sync::Arc;
 //! let sweep = |direction| Ok::<_, nereus::radar::waveform::WaveformError>(Arc::new(Lfm::new(20e6, 2e-6, direction)?));
-//! let pulses = InTurn::new(vec![sweep(Sweep::Up)?, sweep(Sweep::Down)?], 20e6);
+//! let pulses = InTurn::new(vec![sweep(Sweep::Up)?, sweep(Sweep::Down)?]);
 //! let rate = |emission| pulses.of_emission(emission).unwrap().unwrap().sweep_rate_hz_per_s();
 //! assert_eq!((rate(6), rate(7)), (Some(1e13), Some(-1e13)));
 //! # Ok::<(), nereus::radar::waveform::WaveformError>(())
@@ -18,6 +18,8 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::{Waveform, WaveformError};
+use crate::scene::radar::Band;
+use crate::units::in_turn;
 
 /// Instants at which the power of a pulse is looked at.
 const INSTANTS: usize = 4096;
@@ -26,22 +28,24 @@ const INSTANTS: usize = 4096;
 #[derive(Clone)]
 pub struct InTurn {
     of: Vec<Arc<dyn Waveform>>,
-    bandwidth_hz: f64,
+    band: Band,
     /// Mean energy over the greatest.
     steadiness: f64,
 }
 
 impl InTurn {
-    /// Some pulses, one at least, which occupy so much together, Hz.
-    pub fn new(of: Vec<Arc<dyn Waveform>>, bandwidth_hz: f64) -> Self {
+    /// Some pulses, one at least.
+    pub fn new(of: Vec<Arc<dyn Waveform>>) -> Self {
+        let bands = of.iter().map(|pulse| pulse.band());
+        let band = bands.reduce(Band::with).unwrap_or(Band::about(0.0, 0.0));
         let energies: Vec<f64> = of.iter().map(|pulse| energy_s(pulse.as_ref())).collect();
         let most = energies.iter().copied().fold(0.0, f64::max);
         let mean = energies.iter().sum::<f64>() / energies.len().max(1) as f64;
-        Self { of, bandwidth_hz, steadiness: if most > 0.0 { mean / most } else { 1.0 } }
+        Self { of, band, steadiness: if most > 0.0 { mean / most } else { 1.0 } }
     }
 
     fn at(&self, emission: u64) -> Option<&Arc<dyn Waveform>> {
-        self.of.get((emission % self.of.len().max(1) as u64) as usize)
+        in_turn(&self.of, emission)
     }
 
     fn most(&self, of: impl Fn(&dyn Waveform) -> f64) -> f64 {
@@ -65,7 +69,11 @@ impl Waveform for InTurn {
     }
 
     fn bandwidth_hz(&self) -> f64 {
-        self.bandwidth_hz
+        self.band.width_hz()
+    }
+
+    fn band(&self) -> Band {
+        self.band
     }
 
     fn lobe_hz(&self) -> f64 {
@@ -106,7 +114,7 @@ mod tests {
     #[test]
     fn energies_weigh_the_strongest() {
         let pulse = |us: f64| Arc::new(Coded::plain(us * 1e-6).unwrap()) as Arc<dyn Waveform>;
-        let pulses = InTurn::new(vec![pulse(1.0), pulse(3.0)], 1e6);
+        let pulses = InTurn::new(vec![pulse(1.0), pulse(3.0)]);
         assert!((pulses.steadiness(2) - 2.0 / 3.0).abs() < 1e-9);
         assert_eq!(pulses.duration_s(), 3e-6);
     }

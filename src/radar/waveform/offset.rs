@@ -7,6 +7,7 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use super::{InTurn, Waveform, WaveformError, by_differences};
+use crate::scene::radar::Band;
 
 /// A waveform whose carrier lies so far above that of the receiver:
 ///
@@ -28,7 +29,7 @@ pub(crate) fn offset(waveform: Arc<dyn Waveform>, offset_hz: f64) -> Arc<dyn Wav
     let pulses = waveform.in_turn();
     if !pulses.is_empty() {
         let of = pulses.iter().map(|pulse| offset(Arc::clone(pulse), offset_hz)).collect();
-        return Arc::new(InTurn::new(of, waveform.bandwidth_hz()));
+        return Arc::new(InTurn::new(of));
     }
     let of_stream = waveform.is_stream();
     Arc::new(Offset { waveform, offset_hz, of_stream })
@@ -45,6 +46,10 @@ impl Waveform for Offset {
 
     fn bandwidth_hz(&self) -> f64 {
         self.waveform.bandwidth_hz()
+    }
+
+    fn band(&self) -> Band {
+        self.waveform.band().shifted(self.offset_hz)
     }
 
     fn lobe_hz(&self) -> f64 {

@@ -13,7 +13,7 @@ use crate::pulse::SampleFormat;
 use crate::recording::columns::Column;
 use crate::recording::descriptions::{Description, of_header};
 use crate::recording::header::{
-    AdcRow, ChannelRow, FORMAT_VERSION, Field, Header, Origin, PairRow, WINDOWS_VERSION,
+    AdcRow, ChannelRow, FORMAT_VERSION, Field, Header, LAST_VERSION, Origin, PairRow,
 };
 use crate::recording::instrument::Instrument;
 use crate::recording::shard::{NotAShard, Shard};
@@ -148,9 +148,9 @@ pub(super) fn describe<'a>(
 pub(super) fn read(file: &File, file_bytes: u64) -> Result<Header, Fault> {
     let format = string(file, "format")?;
     let version: u32 = value(file, "version")?;
-    if format != "nereus" || !(FORMAT_VERSION..=WINDOWS_VERSION).contains(&version) {
+    if format != "nereus" || !(FORMAT_VERSION..=LAST_VERSION).contains(&version) {
         return Err(Fault::Text(format!(
-            "format '{format}' version {version}; 'nereus' versions {FORMAT_VERSION} and {WINDOWS_VERSION} are read"
+            "format '{format}' version {version}; 'nereus' versions {FORMAT_VERSION} to {LAST_VERSION} are read"
         )));
     }
     let iq = file.dataset("iq")?;

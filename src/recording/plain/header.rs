@@ -12,7 +12,7 @@ use crate::pulse::SampleFormat;
 use crate::recording::columns::{Column, Element, columns};
 use crate::recording::descriptions::of_header;
 use crate::recording::fault::RecordingError;
-use crate::recording::header::{AdcRow, FORMAT_VERSION, Field, Header, Origin, WINDOWS_VERSION};
+use crate::recording::header::{AdcRow, FORMAT_VERSION, Field, Header, LAST_VERSION, Origin};
 use crate::recording::instrument::Instrument;
 use crate::time::TimeTag;
 
@@ -81,7 +81,7 @@ pub(super) fn described(
     let meta: Value = serde_json::from_slice(meta).map_err(|error| foreign(format!("meta.json: {error}")))?;
     let mut header = header(&meta).ok_or_else(|| {
         foreign(format!(
-            "meta.json is not that of a nereus recording, version {FORMAT_VERSION} or {WINDOWS_VERSION}"
+            "meta.json is not that of a nereus recording, version {FORMAT_VERSION} to {LAST_VERSION}"
         ))
     })?;
     header.replica = values::<Complex32>(replica);
@@ -114,7 +114,7 @@ pub(super) fn values<T: Pod>(bytes: &[u8]) -> Vec<T> {
 /// The header without its replica.
 fn header(meta: &Value) -> Option<Header> {
     let version = read(&meta["version"])?;
-    if meta["format"] != "nereus" || !(FORMAT_VERSION..=WINDOWS_VERSION).contains(&version) {
+    if meta["format"] != "nereus" || !(FORMAT_VERSION..=LAST_VERSION).contains(&version) {
         return None;
     }
     let real = |key: &str| meta[key].as_f64();

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::band::Band;
 use super::signals::{CA_CHIPS_HZ, CA_RATE_HZ, Fm, IqFile};
 
 /// The transmitted baseband pulse, unit amplitude.
@@ -266,7 +267,8 @@ impl Source {
 }
 
 impl Waveform {
-    /// Length of the pulse, s; `None` where a file has it, and of a continuous signal.
+    /// Length of the pulse, s, of pulses in turn the longest; `None` where a file has it, and of a continuous
+    /// signal. Files among pulses in turn are left out.
     pub fn duration_s(&self) -> Option<f64> {
         match self {
             Self::Lfm { duration_s, .. }
@@ -275,24 +277,23 @@ impl Waveform {
             | Self::Cw { duration_s } => Some(*duration_s),
             Self::PhaseCode { code, chip_s } => Some(code.chips() as f64 * chip_s),
             Self::Drooping { of, .. } | Self::Offset { of, .. } => of.duration_s(),
-            Self::InTurn { of, .. } => {
-                of.iter().map(Self::duration_s).try_fold(0.0, |a: f64, b| Some(a.max(b?)))
-            }
+            Self::InTurn { of, .. } => of.iter().filter_map(Self::duration_s).reduce(f64::max),
             Self::Samples { .. } | Self::Stream { .. } => None,
         }
     }
 
-    /// Lower and upper end of the band about the carrier, Hz; `None` where a file has it.
-    pub fn band_hz(&self) -> Option<[f64; 2]> {
+    /// The band about the carrier; `None` where a file has it. Files among pulses in turn are left out.
+    pub fn band(&self) -> Option<Band> {
         match self {
-            Self::Offset { of, offset_hz } => of.band_hz().map(|band| band.map(|hz| hz + offset_hz)),
-            Self::InTurn { of, .. } => {
-                let mut bands = of.iter().map(Self::band_hz);
-                let first = bands.next()??;
-                bands.try_fold(first, |a, b| Some([a[0].min(b?[0]), a[1].max(b?[1])]))
-            }
-            other => other.bandwidth_hz().map(|hz| [-0.5 * hz, 0.5 * hz]),
+            Self::Offset { of, offset_hz } => of.band().map(|band| band.shifted(*offset_hz)),
+            Self::InTurn { of, .. } => of.iter().filter_map(Self::band).reduce(Band::with),
+            other => other.bandwidth_hz().map(|hz| Band::about(0.0, hz)),
         }
+    }
+
+    /// How far above that of the radar the carrier is, Hz.
+    pub fn offset_hz(&self) -> f64 {
+        if let Self::Offset { offset_hz, .. } = self { *offset_hz } else { 0.0 }
     }
 
     /// Bandwidth, Hz: swept, `1/Tc` of a plain pulse, one over a chip of a code, of pulses in turn from the
@@ -305,7 +306,7 @@ impl Waveform {
             Self::Cw { duration_s } => Some(duration_s.recip()),
             Self::PhaseCode { chip_s, .. } => Some(chip_s.recip()),
             Self::Drooping { of, .. } | Self::Offset { of, .. } => of.bandwidth_hz(),
-            Self::InTurn { .. } => self.band_hz().map(|[from, to]| to - from),
+            Self::InTurn { .. } => self.band().map(Band::width_hz),
             Self::Stream { source, .. } => source.bandwidth_hz(),
             Self::Samples { .. } => None,
         }

@@ -6,7 +6,6 @@ use iceoryx2::prelude::ZeroCopySend;
 
 use crate::pulse::{PlatformRecord, Pulse, SampleFormat};
 use crate::recording::header::Header;
-use crate::sinks::description::version;
 
 /// Words of 8 bytes that the state of a platform takes.
 pub const STATE_WORDS: usize = 12;
@@ -55,7 +54,7 @@ impl PulseHeader {
     pub(super) fn of_run(header: &Header, source: u64) -> Self {
         let size = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
         Self {
-            version: version(header),
+            version: header.version(),
             windows: u8::try_from(header.layout.windows).unwrap_or(u8::MAX),
             adc_step: header.adc.map_or(1.0, |adc| adc.step),
             source,

@@ -165,6 +165,8 @@ pub struct Vita49Sink {
     radar: Counts,
     antennas: Counts,
     emitters: Counts,
+    /// Of pulses in turn.
+    in_turn: Counts,
     /// Bytes that a datagram has at most.
     room: usize,
     replica: Replica,
@@ -249,6 +251,7 @@ impl Vita49Sink {
             radar: Counts::new(2),
             antennas: Counts::new(layout.antennas),
             emitters: Counts::new(header.emitters().len()),
+            in_turn: Counts::new(header.in_turn().len()),
             room,
             replica: Replica::new(header, room),
             receivers: receivers(header),
@@ -271,6 +274,11 @@ impl Vita49Sink {
         }
         if let Some(instrument) = &header.instrument {
             send(radar::signal(datagram, header, instrument, self.radar.next(0), at));
+            let pulses = &instrument.waveform.pulses;
+            for (place, row) in pulses.iter().enumerate() {
+                let count = self.in_turn.next(place);
+                send(radar::pulse(datagram, (place, pulses.len()), row, count, at));
+            }
             for antenna in instrument.antennas.iter().enumerate() {
                 let count = self.antennas.next(antenna.0);
                 send(radar::antenna(datagram, header, antenna, count, at));

@@ -5,7 +5,7 @@
 use super::datagram::{Datagram, EXTENSION_PROLOGUE, Type, text_bytes};
 use super::stamp::Stamp;
 use crate::recording::header::Header;
-use crate::recording::instrument::{AntennaRow, EmitterRow, GateRow, Instrument, Look};
+use crate::recording::instrument::{AntennaRow, EmitterRow, GateRow, Instrument, Look, PulseRow};
 
 /// Stream of the waveform and the receive filter.
 const SIGNAL_STREAM: u32 = 0x5000_0000;
@@ -15,12 +15,15 @@ const REPLICA_STREAM: u32 = 0x6000_0000;
 const ANTENNA_STREAM: u32 = 0x7000_0000;
 /// Stream of the description of emitter 0; the others follow.
 const EMITTER_STREAM: u32 = 0x8000_0000;
+/// Stream of the description of pulse 0 of several in turn; the others follow.
+const PULSE_STREAM: u32 = 0x9000_0000;
 
 /// Packet classes of extension contexts.
 const SIGNAL: u16 = 5;
 const REPLICA: u16 = 6;
 const ANTENNA: u16 = 7;
 const EMITTER: u16 = 8;
+const PULSE: u16 = 9;
 
 /// Longest replica that is sent.
 pub(super) const REPLICA_SAMPLES: usize = 1 << 20;
@@ -95,11 +98,29 @@ pub(super) fn signal<'a>(
         .f64s(middle_m);
     let of_none = if *continuous { CONTINUOUS } else { 0 };
     let packet = looks(datagram, (window.as_ref(), of_none), header).text(&waveform.kind).text(&filter.kind);
-    // An addition: the error of each class of pulses.
-    if !error_classes_db.is_empty() {
-        packet.u32(error_classes_db.len() as u32).u32(0).f64s(error_classes_db);
+    // An addition: the error of each class of pulses, and how many leave in turn.
+    if !error_classes_db.is_empty() || !waveform.pulses.is_empty() {
+        let counts = [error_classes_db.len(), waveform.pulses.len()].map(|count| count as u32);
+        packet.u32(counts[0]).u32(counts[1]).f64s(error_classes_db);
     }
     packet.end()
+}
+
+/// The description of one of several pulses in turn.
+pub(super) fn pulse<'a>(
+    datagram: &'a mut Datagram,
+    (place, of): (usize, usize),
+    row: &PulseRow,
+    count: u8,
+    at: Stamp,
+) -> &'a [u8] {
+    datagram
+        .begin(Type::Extension(PULSE), PULSE_STREAM + place as u32, count, at)
+        .u32(place as u32)
+        .u32(of as u32)
+        .f64s(&[row.offset_hz, row.bandwidth_hz, row.pulse_s, number(&row.sweep_hz_per_s)])
+        .text(&row.kind)
+        .end()
 }
 
 /// The samples of the replica from `first`, as many as a piece has.
@@ -191,9 +212,10 @@ fn emitter_bytes(row: &EmitterRow) -> usize {
 
 /// Bytes of the longest of these descriptions.
 pub(super) fn longest(instrument: &Instrument) -> usize {
-    let classes =
-        if instrument.error_classes_db.is_empty() { 0 } else { 8 + 8 * instrument.error_classes_db.len() };
-    let signal = 112 + classes + text_bytes(&instrument.waveform.kind) + text_bytes(&instrument.filter.kind);
+    let signal = 120
+        + 8 * instrument.error_classes_db.len()
+        + text_bytes(&instrument.waveform.kind)
+        + text_bytes(&instrument.filter.kind);
     let antennas = &instrument.antennas;
     let antenna = antennas.iter().map(|row| {
         let window = if row.window.is_some() { 72 } else { 0 };

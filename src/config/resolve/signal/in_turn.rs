@@ -75,9 +75,10 @@ fn instead(kind: WaveformKind) -> Option<&'static str> {
 
 /// Faults a pulse whose band reaches beyond what is sampled about the carrier.
 fn fits((section, key): (&Section<'_>, &'static Key), pulse: &Waveform, sample_rate_hz: Option<f64>) {
-    let (Some([from_hz, to_hz]), Some(sample_rate_hz)) = (pulse.band_hz(), sample_rate_hz) else { return };
-    if from_hz.abs().max(to_hz.abs()) > 0.5 * sample_rate_hz * (1.0 + 4.0 * f64::EPSILON) {
-        let found = format!("a band from {} to {} Hz about the carrier", figure(from_hz), figure(to_hz));
+    let (Some(band), Some(sample_rate_hz)) = (pulse.band(), sample_rate_hz) else { return };
+    if band.reach_hz() > 0.5 * sample_rate_hz * (1.0 + 4.0 * f64::EPSILON) {
+        let found =
+            format!("a band from {} to {} Hz about the carrier", figure(band.from_hz), figure(band.to_hz));
         let allowed = format!("within {} Hz of it: half of sample_rate_hz", figure(0.5 * sample_rate_hz));
         section.fault(key, Problem::Type { found, allowed });
     }
