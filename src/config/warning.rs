@@ -93,6 +93,21 @@ pub enum Warning {
         /// The shortest interval, us.
         pri_us: f64,
     },
+    /// Swell that breaks long before it is so high.
+    #[error(
+        "{key}: {height_m} m in waves of {length_m:.1} m: water breaks at a seventh of the length, and no sea has a significant \
+         height of more than {allowed_m:.2} m there"
+    )]
+    SteepSwell {
+        /// The key.
+        key: String,
+        /// Significant height, m.
+        height_m: f64,
+        /// Length of the waves at the peak, m.
+        length_m: f64,
+        /// What seas reach, m.
+        allowed_m: f64,
+    },
     /// A band that no chirp has.
     #[error(
         "a band of {bandwidth_hz} Hz in a pulse of {pulse_us} us is less than one cycle: the pulse is not compressed, and \

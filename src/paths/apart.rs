@@ -41,6 +41,14 @@ impl Apart {
     }
 }
 
+/// Instants at which windows are looked at over a run.
+const CHECKED_WINDOWS: u64 = 64;
+/// Pulses whose schedule is compared with that of an emitter: the first of a run, and as many over all of it.
+/// Emissions that pass by too slowly to reach a window within the first do so at one of the others, in runs of
+/// no more than [`MOST_SCHEDULES`] pulses, where a window and a pulse last a hundredth of an interval.
+const SCHEDULES: u64 = 1 << 14;
+const MOST_SCHEDULES: u64 = 1 << 21;
+
 /// A radar as it receives an emitter: one more transmitter, the emitter's carrier, waveform and schedule,
 /// and a channel for every port of a receiver that takes it. Without rain clutter.
 pub(crate) fn received_by(emitter: &Emitter, radar: &Radar) -> Radar {
@@ -360,6 +368,45 @@ impl PathGenerator {
             };
         }
         Ok(span.map(|(least_s, longest_s)| (least_s - most_s, longest_s + most_s)))
+    }
+
+    /// Whether any window of the run may receive the direct path: by bounds on its delay and on when windows
+    /// open, as far as a few dozen instants show, of every pulse; of long runs, of the first
+    /// [`SCHEDULES`] pulses and as many spread over all.
+    ///
+    /// # Errors
+    /// Tracks that do not cover the run.
+    pub(crate) fn may_receive_direct_path(&self) -> Result<bool, RadarError> {
+        let pulses = self.receiving_pulses();
+        if self.pulses == 0 || pulses == 0 || pulses > MOST_SCHEDULES {
+            return Ok(self.radar.direct_path);
+        }
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        let hold = |(a, b): (f64, f64), s: f64| (a.min(s), b.max(s));
+        let (mut own, mut delays_s, mut opens_s) = (self.workspace().own, none, none);
+        let mut closing_mps: f64 = 0.0;
+        for emitted in self.checked_pulses() {
+            self.evaluate(emitted, &mut own)?;
+            closing_mps = closing_mps.max(self.closing_mps(&own.centres));
+            let direct = own.paths.len().saturating_sub(self.pairs.len());
+            delays_s = own.paths[direct..].iter().fold(delays_s, |all, path| hold(all, path.delay_s));
+        }
+        for step in 0..=CHECKED_WINDOWS {
+            let index = (u128::from(pulses - 1) * u128::from(step) / u128::from(CHECKED_WINDOWS)) as u64;
+            for window in 0..self.windows() {
+                opens_s = hold(opens_s, self.window_start_of(window, index)?);
+            }
+        }
+        // Between two of these instants both change by no more than so much.
+        let longest_s = pulses as f64 * self.mean_pulse_interval_s();
+        let wider_s = longest_s / CHECKED_WINDOWS as f64 * closing_mps / SPEED_OF_LIGHT_MPS;
+        let span_s = (delays_s.0 - wider_s, delays_s.1 + wider_s);
+        let [first, last] = [opens_s.0 - wider_s, opens_s.1 + wider_s].map(|open_s| self.window(open_s));
+        let hull = Window::hull([first, last]);
+        let receives = |index: u64| !self.emissions_within(index, span_s, 0.0, &hull).is_empty();
+        let spread =
+            (0..SCHEDULES).map(|n| (u128::from(pulses) * u128::from(n) / u128::from(SCHEDULES)) as u64);
+        Ok((0..pulses.min(SCHEDULES)).any(receives) || (pulses > SCHEDULES && { spread }.any(receives)))
     }
 
     /// Emissions that windows of a pulse may receive.

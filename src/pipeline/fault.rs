@@ -190,7 +190,7 @@ pub enum BuildError {
     #[error(transparent)]
     Sink(#[from] SinkError),
     /// Pulses that the run does not have.
-    #[error("pulses {from}..{to} are not part of the run; allowed: at least one pulse within 0..{pulses}")]
+    #[error("pulses {from}..{to} are not all in the run; allowed: one or more within 0..{pulses}")]
     Range {
         /// First pulse asked.
         from: u64,

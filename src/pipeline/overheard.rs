@@ -96,7 +96,8 @@ fn one(
     let waveform = waveform::from_description(&emitter.waveform)?;
     let of_train = (emitter.transmitter.name.as_str(), &emitter.emissions);
     check(of_train, (waveform.duration_s(), waveform.is_stream()), window_s(radar))?;
-    let own = scene_of(scene, emitter, [before_s.min(LONGEST_S + waveform.duration_s()), after_s]);
+    let span_s = [before_s.min(LONGEST_S + waveform.duration_s()), after_s];
+    let mut own = scene_of(scene, emitter, span_s);
     if own.pulses == 0 && scene.pulses > 0 {
         let (name, start_s) = (emitter.transmitter.name.clone(), emitter.emissions.start_s());
         return Err(BuildError::EmitterLate { name, start_s }.into());
@@ -104,7 +105,17 @@ fn one(
     let offset_hz = emitter.carrier_hz - radar.carrier_hz;
     let waveform = offset(waveform, offset_hz);
     let pulse_s = waveform.duration_s();
-    let generator = PathGenerator::of_emitter((scene, emitter), &own, pulse_s, tracks.to_vec(), drawn)?;
+    let made = |emitter: &Emitter, own: &Scene| {
+        PathGenerator::of_emitter((scene, emitter), own, pulse_s, tracks.to_vec(), drawn)
+    };
+    let mut generator = made(emitter, &own)?;
+    // A direct path that no window receives must not be what Doppler and errors are judged by.
+    let is_live = tracks.iter().any(|tracks| tracks.truth.as_live().is_some());
+    if emitter.direct_path && emitter.echo && !is_live && !generator.may_receive_direct_path()? {
+        let unheard = Emitter { direct_path: false, ..emitter.clone() };
+        own = scene_of(scene, &unheard, span_s);
+        generator = made(&unheard, &own)?;
+    }
     let channels = channels_of(radar, &own.radar);
     let name = emitter.transmitter.name.clone();
     Ok(Emitting { name, scene: own, generator, waveform, offset_hz, channels })

@@ -204,9 +204,10 @@ impl Header {
         bands.reduce(Band::with).unwrap_or(Band::about(0.0, self.bandwidth_hz))
     }
 
-    /// That of the pulse of a number.
+    /// That of the pulse of a number; of a block, which receives several, that of all.
     pub fn band_of(&self, number: u64) -> Band {
-        in_turn(self.in_turn(), number).map_or_else(|| self.band(), PulseRow::band)
+        let own = in_turn(self.in_turn(), number).filter(|_| !self.is_continuous());
+        own.map_or_else(|| self.band(), PulseRow::band)
     }
 
     /// The receiver of a channel, by its place.

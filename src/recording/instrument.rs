@@ -65,7 +65,7 @@ pub struct WaveformRow {
     pub sweep_hz_per_s: Option<f64>,
     /// Rate of the samples of a waveform from a file, Hz.
     pub rate_hz: Option<f64>,
-    /// Pulses that leave in turn: number `k` modulo their number is entry `k`. None where all are alike.
+    /// Pulses that leave in turn: emission `k` is entry `k` modulo their number. None where all are alike.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pulses: Vec<PulseRow>,
 }

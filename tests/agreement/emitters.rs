@@ -305,3 +305,25 @@ fn what_emitters_add_depends_on_the_pulse_alone() {
     assert!(made("1", 0..120) == whole, "one thread and two differ");
     assert!(made("3", 70..101) == whole[70..101], "a range differs from that part of the run");
 }
+
+/// A second radar on the same mast of the same interval, whose direct path no window receives: its echo keeps
+/// the error all the same, and has the bits of one without a direct path.
+#[test]
+fn a_direct_path_that_is_never_received_judges_nothing() {
+    let radar = "prf_hz = 1000.0\nchannels = [\"HH\", \"HV\"]\n\
+                 waveform = { kind = \"lfm\", bandwidth_hz = 30e6, pulse_s = 1e-6 }\n\
+                 window = { samples = 256, start_us = 15.2 }";
+    let second = |more: &str| {
+        format!(
+            "[[emitter]]\nname = \"second\"\nplatform = \"aircraft\"\nlever_arm_m = [5.0, 0.0, 0.0]\npower_w = 30.0\n\
+             prf_hz = 1000.0\nwaveform = {{ kind = \"lfm\", bandwidth_hz = 1e6, pulse_s = 2.5e-6 }}\n\
+             antenna = {{ kind = \"isotropic\" }}\n{more}"
+        )
+    };
+    let settings = [("fidelity.error_db", "-60"), ("target.0.velocity_mps", "[30, -200, 0]")];
+    let of = |more: &str| two_platforms::run(0.02, true, radar, &second(more), &settings);
+    runs::keeps_the_error("an echo without its direct path", &of(""));
+    let made = |run: &Run| runs::kept(build::stream(run, 0..run.scene.pulses).unwrap());
+    let [with, without] = [of(""), of("direct_path = false")].map(|run| made(&run));
+    assert!(with.iter().zip(&without).all(|(a, b)| a.samples == b.samples));
+}

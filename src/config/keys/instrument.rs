@@ -19,7 +19,7 @@ tables! {
         ATMOSPHERE_DB_PER_KM "atmosphere_db_per_km", number("dB/km", 0.0, 1000.0), default(0.0), "Atmospheric attenuation, one way.";
         RAIN_MMPH "rain_mmph", number("mm/h", 0.0, 300.0), default(0.0), "Rain along the whole of every path: attenuation by ITU-R P.838-3 (H, V or circular, by the port of each leg) in addition to atmosphere_db_per_km. Carriers from 1 GHz.";
         RAIN_CLUTTER "rain_clutter", Kind::Flag, Flag(false), "Whether the drops return an echo: Rayleigh scattering of the reflectivity 200 R^1.6 (Marshall and Palmer), up to 20 GHz, in the main lobes of both antennas, from the window's own emission. Needs rain_mmph.";
-        RAIN_TOP_M "rain_top_m", above("m", 0.0, 20e3), default(3000.0), "rain_clutter: height of the rain's top above the sea. Attenuation does not know it.";
+        RAIN_TOP_M "rain_top_m", number("m", 50.0, 20e3), default(3000.0), "rain_clutter: height of the rain's top above the sea. Attenuation does not know it.";
         RAIN_SPREAD_MPS "rain_spread_mps", number("m/s", 0.0, 20.0), default(1.0), "rain_clutter: rms velocity of the drops, each component, about the wind at 10 m and their mean fall: turbulence, shear, unequal falls.";
         NOISE_FIGURE_DB "noise_figure_db", number("dB", 0.0, 100.0), Means("a noiseless receiver"), "Receiver noise figure F: noise of k T0 F per Hz, T0 = 290 K, which includes that of an antenna at T0.";
         FRONT_END "front_end", Section(&front_end::TABLE), Means("an ideal one"), "What is wrong between echo and converter.";

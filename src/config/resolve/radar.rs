@@ -11,7 +11,7 @@ use super::window::window;
 use super::{Ground, Names, plausible};
 use crate::config::choices::TxKind;
 use crate::config::error::{Problem, Warning};
-use crate::config::keys::{self, Key};
+use crate::config::keys::{self, Key, figure};
 use crate::config::scalars::{polarisation, polarisation_pair};
 use crate::config::section::Section;
 use crate::radar::rain::{CARRIERS_HZ, RAYLEIGH_TO_HZ};
@@ -65,6 +65,16 @@ pub(super) fn radar(
     let widest_hz = sample_rate_hz.filter(|_| !dechirped);
     let waveform =
         section.section(&k::WAVEFORM).and_then(|s| waveform(s, widest_hz, (emissions.as_ref(), 0)));
+    let lowest_hz = waveform.as_ref().and_then(Waveform::band).map(|band| -band.from_hz);
+    if let Some((carrier_hz, least_hz)) =
+        carrier_hz.zip(lowest_hz).filter(|(carrier_hz, hz)| carrier_hz <= hz)
+    {
+        let (found, allowed) = (
+            format!("{} Hz", figure(carrier_hz)),
+            format!("above {} Hz: the pulses reach so far below it", figure(least_hz)),
+        );
+        section.fault(&k::CARRIER_HZ, Problem::Type { found, allowed });
+    }
     let pulse_s = waveform.as_ref().and_then(Waveform::duration_s);
     // What a front end takes, if there is one.
     let wide_hz = waveform.as_ref().and_then(Waveform::bandwidth_hz).filter(|_| dechirped);

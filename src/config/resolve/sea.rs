@@ -1,11 +1,13 @@
 //! The sea: wind, waves, water, and how its facets scatter.
 
+use std::f64::consts::TAU;
+
 use super::{land, slick};
 use crate::config::choices::{
     BraggKind, Choice, ModulationKind, ShadowEdge, SpeckleKind, SpectrumName, SpreadingLaw, SwellKind,
     WithTail,
 };
-use crate::config::error::Problem;
+use crate::config::error::{Problem, Warning};
 use crate::config::keys::{self, ITU_R_P527, KLEIN_SWIFT, Key, MEISSNER_WENTZ};
 use crate::config::section::Section;
 use crate::scene::sea::{
@@ -16,6 +18,7 @@ use crate::scene::water::{
     Development, Dispersion, SpectrumKind, Spreading, Swell, SwellShape, WindGiven, WindStrength,
 };
 use crate::scene::{Patch, Sea, Water};
+use crate::sea::GRAVITY_MPS2;
 
 /// Facets up to which, m, and patches up to which, m^2, waves break unless set: a gale has 0.14 scatterers of
 /// breaking waves a square metre.
@@ -427,6 +430,9 @@ fn far(section: Section<'_>) -> Option<Option<FarSea>> {
     Some(enabled?.then_some(far))
 }
 
+/// Significant height over the length of the waves at the peak of the steepest seas.
+const STEEPEST: f64 = 0.07;
+
 fn swell(section: Section<'_>) -> Option<Swell> {
     use keys::swell::{
         FROM_DEG, PEAK_ENHANCEMENT, PEAK_PERIOD_S, RELATIVE_WIDTH, SHAPE, SIGNIFICANT_HEIGHT_M, SPREAD_DEG,
@@ -434,6 +440,14 @@ fn swell(section: Section<'_>) -> Option<Swell> {
     };
     let significant_height_m = section.number(&SIGNIFICANT_HEIGHT_M);
     let peak_period_s = section.number(&PEAK_PERIOD_S);
+    if let Some((height_m, period_s)) = significant_height_m.zip(peak_period_s) {
+        let length_m = GRAVITY_MPS2 * period_s * period_s / TAU;
+        let allowed_m = STEEPEST * length_m;
+        if height_m > allowed_m {
+            let key = section.path_of(SIGNIFICANT_HEIGHT_M.name);
+            section.reader().warn(Warning::SteepSwell { key, height_m, length_m, allowed_m });
+        }
+    }
     let direction_rad = direction_rad(&section, &TOWARDS_DEG, &FROM_DEG);
     let spread_deg = section.number(&SPREAD_DEG);
     let shape = match section.choice(&SHAPE) {

@@ -124,7 +124,7 @@ fn rain_that_cannot_return_an_echo() {
     let off = faults(&[("radar.rain_top_m", "2000"), ("radar.rain_spread_mps", "2")]);
     assert!(off.contains("rain_top_m") && off.contains("rain_clutter = false"), "{off}");
     for (key, value) in
-        [("radar.rain_top_m", "0"), ("radar.rain_top_m", "-5"), ("radar.rain_spread_mps", "-1")]
+        [("radar.rain_top_m", "49"), ("radar.rain_top_m", "-5"), ("radar.rain_spread_mps", "-1")]
     {
         let faults = faults(&[on, ("radar.rain_mmph", "5"), (key, value)]);
         assert!(faults.contains(key) && faults.contains("allowed"), "{faults}");

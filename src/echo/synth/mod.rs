@@ -171,7 +171,9 @@ pub enum SynthError {
         variant: Variant,
     },
     /// Doppler by a shift needs a linear sweep.
-    #[error("Doppler by a shift is not allowed with waveform {waveform}: only with a linear sweep")]
+    #[error(
+        "fidelity.doppler: a shift is not allowed with waveform {waveform}, only with a linear sweep; allowed: \"mean\", \"taylor\""
+    )]
     Shift {
         /// The waveform there is.
         waveform: String,

@@ -74,8 +74,9 @@ pub enum ClockFault {
     },
     /// A clock that runs too wrong for what is neglected.
     #[error(
-        "clock of '{name}': a fractional frequency of {y:.3e} leaves a relative error of {neglected:.3e} within a pulse; \
-         allowed: at most {MOST_NEGLECTED:e}"
+        "clock of '{name}': its frequency is off by {y:.1e} of itself (drift, ageing, noise), by which echoes would be wrong by \
+         {neglected:.1e} of themselves; allowed with these pulses and windows: a frequency off by {:.1e} at most",
+        y * MOST_NEGLECTED / neglected
     )]
     Fast {
         /// Its name.
