@@ -15,8 +15,8 @@
 //! let _ = v + w;
 //! ```
 //!
-//! WGS-84 to ECEF is that of the crate `map_3d`; the way back is Bowring's, since the closed form of the
-//! crate is wrong by millimetres at satellite heights.
+//! WGS-84 to ECEF is the closed form; the way back is Bowring's iteration, since closed forms are wrong by
+//! millimetres at satellite heights.
 
 use std::marker::PhantomData;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -235,6 +235,11 @@ pub struct Geodetic {
     pub h_m: f64,
 }
 
+/// Semi-axes and flattening of WGS-84, m.
+const A_M: f64 = 6_378_137.0;
+const F: f64 = 1.0 / 298.257_223_563;
+const B_M: f64 = A_M * (1.0 - F);
+
 impl Geodetic {
     /// From degrees and metres.
     pub fn from_deg(lat_deg: f64, lon_deg: f64, h_m: f64) -> Self {
@@ -252,10 +257,15 @@ impl Geodetic {
         distance_m(self) > 1e6 && distance_m(other_way) < 1e5
     }
 
-    /// Earth-centred, Earth-fixed position.
+    /// Earth-centred, Earth-fixed position: `X = (N + h) cos(lat) cos(lon)`, `Y = (N + h) cos(lat) sin(lon)`,
+    /// `Z = (N b^2/a^2 + h) sin(lat)`, `N = a / sqrt(1 - e^2 sin^2(lat))` the radius of curvature.
     pub fn to_ecef(self) -> Point<Ecef> {
-        let (x, y, z) = map_3d::geodetic2ecef(self.lat_rad, self.lon_rad, self.h_m, map_3d::Ellipsoid::WGS84);
-        Point::new(x, y, z)
+        let Self { lat_rad, lon_rad, h_m } = self;
+        let [cos, sin] = [lat_rad.cos(), lat_rad.sin()];
+        let eccentricity_2 = (A_M * A_M - B_M * B_M) / (A_M * A_M);
+        let n_m = A_M / (1.0 - eccentricity_2 * sin * sin).sqrt();
+        let [x, y] = [(n_m + h_m) * cos * lon_rad.cos(), (n_m + h_m) * cos * lon_rad.sin()];
+        Point::new(x, y, (n_m * (B_M / A_M) * (B_M / A_M) + h_m) * sin)
     }
 }
 
@@ -263,9 +273,6 @@ impl Point<Ecef> {
     /// Geodetic latitude, longitude and ellipsoidal height (Bowring's iteration, to 1e-8 m up to
     /// geostationary heights).
     pub fn to_geodetic(self) -> Geodetic {
-        const A_M: f64 = 6_378_137.0;
-        const F: f64 = 1.0 / 298.257_223_563;
-        const B_M: f64 = A_M * (1.0 - F);
         const E2: f64 = F * (2.0 - F);
         let Self(DVec3 { x, y, z }, _) = self;
         let p = x.hypot(y);

@@ -51,7 +51,6 @@ pub mod plain;
 mod released;
 mod rows;
 #[doc(hidden)]
-pub mod sha512;
 #[doc(hidden)]
 pub mod shard;
 pub mod sigmf;

@@ -21,11 +21,11 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use serde_json::{Value, json};
+use sha2::{Digest, Sha512};
 
 use super::columns::{Column, Rows, columns};
 use super::fault::RecordingError;
 use super::header::Header;
-use super::sha512::Sha512;
 use super::source::Source;
 use super::{RECEIVER_WINDOWS, check_instants};
 use crate::files::{self, Draft, FileFault, Holding, Recognised};
@@ -557,7 +557,7 @@ fn utc(ns: i64) -> String {
 impl Part {
     fn begin(path: &Path) -> Result<Self, RecordingError> {
         let (draft, file) = Draft::file(path)?;
-        Ok(Self { draft, file: BufWriter::with_capacity(1 << 16, file), hash: Sha512::default() })
+        Ok(Self { draft, file: BufWriter::with_capacity(1 << 16, file), hash: Sha512::new() })
     }
 
     fn bytes(&mut self, bytes: &[u8]) -> Result<(), RecordingError> {
@@ -573,7 +573,7 @@ impl Part {
     /// All of it is on the disk; the hash of all bytes.
     fn end(&mut self) -> Result<String, RecordingError> {
         self.flush()?;
-        Ok(self.hash.clone().finish())
+        Ok(self.hash.finalize_reset().iter().map(|byte| format!("{byte:02x}")).collect())
     }
 }
 
