@@ -248,10 +248,10 @@ fn at_full_duty_targets_lie_in_the_window() {
     // A short pulse is received whole or not at all.
     let stderr = pulse("20e-6", &["radar.window.samples=64", "radar.window.start_us=300"]);
     assert!(stderr.contains("no target lies in the receive window"), "{stderr}");
-    // Its echo comes from 3.9 to 23.9 us after the emission.
-    let stderr = pulse("20e-6", &["radar.window.samples=24", "radar.window.start_us=10"]);
+    // Its echo comes from 9.9 to 29.9 us after the emission.
+    let stderr = pulse("20e-6", &["radar.window.samples=24", "radar.window.start_us=16"]);
     assert!(stderr.contains("the receive window cuts the echo of 1 of 1 targets at all times:"), "{stderr}");
-    let stderr = pulse("20e-6", &["radar.window.samples=26", "radar.window.start_us=0"]);
+    let stderr = pulse("20e-6", &["radar.window.samples=31", "radar.window.start_us=0"]);
     assert!(!stderr.contains("cuts the echo"), "{stderr}");
 }
 

@@ -1,5 +1,7 @@
 //! The table of `nereus focus --nav both`.
 
+use std::f64::consts::TAU;
+
 use crate::cli::report::Report;
 use crate::cli::{counted, escape};
 use crate::processor::comparison::{ChannelComparison, Figures, Target};
@@ -17,8 +19,8 @@ pub(super) fn add_channel(report: &mut Report, channel: &ChannelComparison) {
         (pixels.mean_loss_db, pixels.contrast, pixels.coherence)
     {
         report.line(format!(
-            "  {} pixels without points: mean power lost {loss:.2} dB, contrast {right:.2} becomes {wrong:.2}, coherence {coherence:.3}",
-            pixels.count
+            "  {} pixels without points: mean power {:+.2} dB, contrast {right:.2} becomes {wrong:.2}, coherence {coherence:.3}",
+            pixels.count, -loss
         ));
     }
     if !channel.targets.is_empty() {
@@ -38,6 +40,9 @@ pub(super) fn add_channel(report: &mut Report, channel: &ChannelComparison) {
 fn add_target(report: &mut Report, target: &Target) {
     // Two paired echoes are equally high: the same one in both rows.
     let side = target.predicted.as_ref().map_or(0, Figures::highest_side);
+    // A measured phase within half a turn of the predicted one.
+    let about_rad = target.predicted.as_ref().map_or(0.0, |predicted| predicted.phase_rad);
+    let near = |phase_rad: f64| phase_rad + TAU * ((about_rad - phase_rad) / TAU).round();
     let row = |name: &str, kind: &str, figures: Option<&Figures>| match figures {
         None => format!("  {name:<16} {kind:<9} not found"),
         Some(f) => {
@@ -53,7 +58,7 @@ fn add_target(report: &mut Report, target: &Target) {
                 f.shift_m[1],
                 f.width_ratio[0],
                 f.width_ratio[1],
-                f.phase_rad
+                near(f.phase_rad)
             )
         }
     };
