@@ -328,7 +328,15 @@ fn judge(
     scales: [f64; 2],
 ) -> Option<PointTarget> {
     let power = |image: &[Complex32]| -> Vec<f64> { image.iter().map(|z| f64::from(z.norm_sqr())).collect() };
-    let cuts = [measure_cut(&power(&images[0]))?, measure_cut(&power(&images[1]))?];
+    let powers = [power(&images[0]), power(&images[1])];
+    // Within a cell of the middle, where the brightest pixel is: farther off a neighbour may be higher.
+    let top = |power: &[f64]| {
+        let middle = power.len() / 2;
+        let near = middle.saturating_sub(CUT[1])..(middle + CUT[1] + 1).min(power.len());
+        near.max_by(|a, b| power[*a].total_cmp(&power[*b]))
+    };
+    let tops = [top(&powers[0])?, top(&powers[1])?];
+    let cuts = [measure_lobe(&powers[0], tops[0])?, measure_lobe(&powers[1], tops[1])?];
     let mut found_m = lines[0].centre_m();
     for (cut, line) in cuts.iter().zip(lines) {
         let off = cut.peak - 0.5 * (line.pixels[0] as f64 - 1.0);
@@ -346,11 +354,10 @@ fn judge(
             error_cells: error[i],
         }
     };
-    let top = images[0].iter().map(|z| f64::from(z.norm())).fold(0.0, f64::max);
     Some(PointTarget {
         expected_m,
         found_m,
-        amplitude: top,
+        amplitude: powers[0][tops[0]].sqrt(),
         phase_rad: f64::from(images[2].first()?.arg()),
         range: cut(0),
         cross_range: cut(1),

@@ -484,7 +484,7 @@ mod tests {
             }
             let peak = 200 * 16;
             assert!((sum[peak] / steps as f32 - Complex32::ONE).norm() < 1e-4, "{taper:?}: {}", sum[peak]);
-            // Beyond the main lobe, twice as wide behind the taper: cells of 20 ps in resolution cells of 12.5 ns.
+            // Beyond the main lobe, which is twice as wide behind the taper: cells in resolution cells.
             let beyond = 2.2 * RATE_HZ * 16.0 / 80e6;
             let off = |i: usize| (i as f64 - peak as f64).abs();
             let lobes = (0..sum.len()).filter(|i| (beyond..beyond * 3.0).contains(&off(*i)));
@@ -493,7 +493,8 @@ mod tests {
         };
         let [plain, hann] = [Taper::Uniform, Taper::Hann].map(lobe_db);
         println!("side lobes {plain:.1} dB, behind Hann's taper {hann:.1} dB");
-        // A periodic sinc of 16 steps (times one pulse's triangle), -17.8 dB beyond two cells; Hann's -31.5 dB.
+        // A periodic sinc of 16 steps (times the triangle of a pulse), -17.8 dB beyond two cells; Hann's
+        // -31.5 dB.
         assert!(plain > -20.0 && hann < -30.0);
     }
 

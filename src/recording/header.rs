@@ -16,8 +16,8 @@ use crate::time::TimeTag;
 use crate::units::in_turn;
 
 /// Versions of the recordings' structure (HDF5 and plain), attribute `version`: the first, and what is added
-/// to it where receivers have windows of their own, and where pulses leave in turn, so that readers that would
-/// misplace the former or take the replicas of the latter for one refuse them.
+/// to it where receivers have windows of their own, and where pulses leave in turn, so that readers that
+/// would misplace the former or take the replicas of the latter for one refuse them.
 pub const FORMAT_VERSION: u32 = 1;
 const OF_WINDOWS: u32 = 1;
 const OF_TURNS: u32 = 2;

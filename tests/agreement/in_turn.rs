@@ -155,8 +155,8 @@ fn windows_of_several_pulses_are_refused() {
     }
 }
 
-/// Eleven plain pulses and one wide sweep among them, of a target that moves fast: what is promised is kept of
-/// the sweep as well.
+/// Eleven plain pulses and one wide sweep among them, of a target that moves fast: what is promised is kept
+/// of the sweep as well.
 #[test]
 fn one_unlike_pulse_among_many_keeps_the_error() {
     let plain = "{ kind = \"cw\", pulse_s = 20e-6 }";
