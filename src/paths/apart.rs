@@ -49,6 +49,18 @@ const CHECKED_WINDOWS: u64 = 64;
 const SCHEDULES: u64 = 1 << 14;
 const MOST_SCHEDULES: u64 = 1 << 21;
 
+/// What counts of an emission of which a window receives nothing but what the filter rings, or little more.
+const RINGING_SHARE: f64 = 0.1;
+
+/// What pulses receive of emissions apart from them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shares {
+    /// Share of the pulses that receive anything.
+    pub reached: f64,
+    /// Mean power over that of a pulse that receives all of an emission.
+    pub received: f64,
+}
+
 /// A radar as it receives an emitter: one more transmitter, the emitter's carrier, waveform and schedule,
 /// and a channel for every port of a receiver that takes it. Without rain clutter.
 pub(crate) fn received_by(emitter: &Emitter, radar: &Radar) -> Radar {
@@ -432,16 +444,16 @@ impl PathGenerator {
         Ok(span.map_or(0..0, within))
     }
 
-    /// Share of some pulses whose windows receive anything, of an emitter that of the pair that fewest reach
-    /// of those that any does; windows as those of `radar`.
+    /// What some pulses receive, of an emitter that of the pair that fewest reach of those that any does;
+    /// windows as those of `radar`.
     ///
     /// # Errors
     /// Tracks that do not cover the run.
-    pub(crate) fn share_of_pulses_reached(&self, radar: &Self, at: &[u64]) -> Result<f64, RadarError> {
+    pub(crate) fn shares_received(&self, radar: &Self, at: &[u64]) -> Result<Shares, RadarError> {
         let (mut work, mut windows, count) = (self.workspace(), Vec::new(), self.pairs.len());
         let each = if self.is_of_emitter() { 1 } else { count.max(1) };
         let parts: Vec<Range<usize>> = (0..count).step_by(each).map(|pair| pair..pair + each).collect();
-        let mut heard = vec![0usize; parts.len()];
+        let mut sums = vec![Shares { reached: 0.0, received: 0.0 }; parts.len()];
         for &index in at {
             windows.clear();
             for window in 0..radar.windows() {
@@ -449,42 +461,58 @@ impl PathGenerator {
                 windows.push(self.window(start_s));
             }
             let emissions = self.emissions_at(index, &windows, &mut work)?;
-            for (pairs, heard) in parts.iter().zip(&mut heard) {
+            for (pairs, sum) in parts.iter().zip(&mut sums) {
                 let own = self.plans[pairs.clone()].iter().filter_map(|plan| windows.get(plan.window));
                 let window = Window::hull(own.copied());
+                let mut most: f64 = 0.0;
                 for emitted in emissions.clone() {
-                    if self.receives(index, emitted, &window, pairs, &mut work)? {
-                        *heard += 1;
+                    most = most.max(self.received_of(index, emitted, &window, pairs, &mut work)?);
+                    if most == 1.0 {
                         break;
                     }
                 }
+                sum.reached += f64::from(u8::from(most > 0.0));
+                // Where less is received, errors at the edges of a window are a larger part of it, too.
+                sum.received += most * most;
             }
         }
-        let least = heard.into_iter().filter(|pulses| *pulses > 0).min().unwrap_or(0);
-        Ok(least as f64 / at.len().max(1) as f64)
+        let heard = sums.into_iter().filter(|sum| sum.reached > 0.0);
+        let least = heard.min_by(|a, b| a.received.total_cmp(&b.received));
+        let share = |of: f64| of / at.len().max(1) as f64;
+        Ok(least.map_or(Shares { reached: 0.0, received: 0.0 }, |sum| Shares {
+            reached: share(sum.reached),
+            received: share(sum.received),
+        }))
     }
 
-    /// Whether a window of a pulse receives anything of an emission by some pairs: a target, the direct path,
-    /// or sea and ships from the nearest to the farthest.
-    fn receives(
+    /// How much of an emission a window of a pulse receives by some pairs, in time: of a target or the direct
+    /// path, or all where it is sea or ships from the nearest to the farthest; of what the filter rings alone,
+    /// [`RINGING_SHARE`].
+    fn received_of(
         &self,
         index: u64,
         emitted: u64,
         window: &Window,
         pairs: &Range<usize>,
         work: &mut Workspace,
-    ) -> Result<bool, RadarError> {
+    ) -> Result<f64, RadarError> {
         self.evaluate(emitted, &mut work.own)?;
         let offset_s = self.offset_s(index, emitted);
-        let mut points = work.own.paths.chunks(self.pairs.len()).flat_map(|of| &of[pairs.clone()]);
-        if points.any(|path| window.touches(offset_s + path.delay_s)) {
-            return Ok(true);
+        let points = work.own.paths.chunks(self.pairs.len()).flat_map(|of| &of[pairs.clone()]);
+        let share = |begin_s: f64| {
+            let ends_s = (begin_s + window.pulse_s).min(window.close_s);
+            let share = (ends_s - begin_s.max(window.open_s)) / window.pulse_s;
+            if window.touches(begin_s) { share.clamp(RINGING_SHARE, 1.0) } else { 0.0 }
+        };
+        let most = points.map(|path| share(offset_s + path.delay_s)).fold(0.0, f64::max);
+        if most == 1.0 {
+            return Ok(most);
         }
         let span = self.delay_span_beside_s(emitted, &work.own, None, pairs.clone())?;
         let touches = |(nearest_s, farthest_s): (f64, f64)| {
             let lasts_s = window.pulse_s + farthest_s - nearest_s;
             Window { pulse_s: lasts_s, ..*window }.touches(offset_s + nearest_s)
         };
-        Ok(span.is_some_and(touches))
+        Ok(if span.is_some_and(touches) { 1.0 } else { most })
     }
 }

@@ -149,7 +149,7 @@ use crate::sea::realise::realise;
 use crate::time::TimeTag;
 
 use crate::radar::window::{GUARD_SAMPLES, Window};
-pub(crate) use apart::{scene_of, sent_by};
+pub(crate) use apart::{Shares, scene_of, sent_by};
 use facets::Reception;
 use received::InAir;
 pub use received::{MOST_RECEIVED, Received};

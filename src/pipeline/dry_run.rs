@@ -21,7 +21,7 @@ use std::sync::Arc;
 use num_complex::Complex32;
 
 use super::engines;
-use super::overheard::{least_share, segment_apart, share_of_pulses, steadiness};
+use super::overheard::{segment_apart, shares, steadiness};
 use super::stages::PulseFactory;
 use crate::echo::Asked;
 use crate::fidelity::DryRun;
@@ -88,7 +88,7 @@ fn plan(
 ) -> Result<Plan, BuildErrors> {
     // A pulse is judged by the mean of all, of which few may receive anything.
     let received = match generator.is_apart() {
-        true => least_share(share_of_pulses(generator, generator)?),
+        true => shares(generator, generator)?.received,
         false => mixed,
     };
     let share = received * steadiness(scene, waveform.as_ref());

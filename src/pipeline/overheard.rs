@@ -26,7 +26,7 @@ use crate::fidelity::budget::{EXACT_DB, Plan};
 use crate::fidelity::choose::{Chooser, most_pulses};
 use crate::fidelity::probe::spread_over;
 use crate::motion::PlatformTracks;
-use crate::paths::{Drawn, PathGenerator, scene_of, sent_by};
+use crate::paths::{Drawn, PathGenerator, Shares, scene_of, sent_by};
 use crate::pulse::Pulse;
 use crate::pulse::costs::{Costs, Stage};
 use crate::radar::clock::RunningClocks;
@@ -46,6 +46,8 @@ const LONGEST_S: f64 = 0.1;
 const FINER_DB: f64 = 6.0;
 /// Errors from here down are kept pulse by pulse, in f64: no dry run shows what blocks would leave, dB.
 const ONE_BY_ONE_DB: f64 = -90.0;
+/// The finest error that a plan may be asked for, dB.
+const FINEST_DB: f64 = -120.0;
 
 /// An emitter whose paths are known, before anything is planned.
 #[derive(Clone)]
@@ -153,16 +155,14 @@ fn channels_of(radar: &Radar, own: &Radar) -> Vec<Vec<usize>> {
     own.channels.iter().map(of).collect()
 }
 
-/// Share of the pulses that receive what is emitted apart from them, in windows as those of `radar`.
-pub(super) fn share_of_pulses(generator: &PathGenerator, radar: &PathGenerator) -> Result<f64, RadarError> {
+/// What pulses receive of what is emitted apart from them, in windows as those of `radar`.
+pub(super) fn shares(generator: &PathGenerator, radar: &PathGenerator) -> Result<Shares, RadarError> {
     let pulses = generator.receiving_pulses();
     let at: Vec<u64> = spread_over(pulses, PULSES.min(pulses), 1).collect();
-    generator.share_of_pulses_reached(radar, &at)
-}
-
-/// No pulses that were looked at are no share at all.
-pub(super) fn least_share(share_of_pulses: f64) -> f64 {
-    share_of_pulses.max(1.0 / PULSES as f64)
+    let Shares { reached, received } = generator.shares_received(radar, &at)?;
+    // None that were looked at are no share at all, and few of many may be the worst of all.
+    let least = if received > 0.0 && pulses <= PULSES { 0.0 } else { 1.0 / PULSES as f64 };
+    Ok(Shares { reached, received: received.max(least) })
 }
 
 /// How steadily a train radiates.
@@ -237,15 +237,16 @@ impl Emitting {
         clocks: Option<Arc<RunningClocks>>,
     ) -> Result<Overheard, BuildErrors> {
         let Self { name, scene, generator, waveform, channels, offset_hz } = self;
-        let share_of_pulses = share_of_pulses(&generator, radar)?;
-        let judged = least_share(share_of_pulses) * steadiness(&scene, waveform.as_ref());
+        let shares = shares(&generator, radar)?;
+        let judged = shares.received * steadiness(&scene, waveform.as_ref());
         let plan = match fidelity {
             Fidelity::Reference => None,
             Fidelity::Fast(asked) => {
                 let seldom_db = 10.0 * judged.log10();
                 let one_by_one = asked.node_pulses.filter(|pulses| *pulses <= 1);
                 let error_db = asked.error_db - FINER_DB + seldom_db;
-                let error_db = if error_db <= ONE_BY_ONE_DB { EXACT_DB } else { error_db };
+                let error_db =
+                    if error_db <= ONE_BY_ONE_DB { error_db.clamp(FINEST_DB, EXACT_DB) } else { error_db };
                 let asked =
                     Asked { node_pulses: one_by_one, variant: asked.variant, ..Asked::error_db(error_db) };
                 Some(Chooser::new(&scene, &generator, &waveform, &asked)?.choose(&asked)?)
@@ -269,7 +270,7 @@ impl Emitting {
             channels,
             window_samples,
             plan,
-            share_of_pulses,
+            share_of_pulses: shares.reached,
             judged,
         })
     }
