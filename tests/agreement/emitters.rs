@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use nereus::bench::accuracy::Judge;
 use nereus::config::Run;
 use nereus::pipeline::build;
 use nereus::pulse::Samples;
@@ -326,4 +327,16 @@ fn a_direct_path_that_is_never_received_judges_nothing() {
     let made = |run: &Run| runs::kept(build::stream(run, 0..run.scene.pulses).unwrap());
     let [with, without] = [of(""), of("direct_path = false")].map(|run| made(&run));
     assert!(with.iter().zip(&without).all(|(a, b)| a.samples == b.samples));
+}
+
+/// The first sample of a direct path at the end of one window, and nothing else in two channels: what is
+/// predicted is of that.
+#[test]
+fn an_emitter_at_the_edge_of_one_window_keeps_the_error() {
+    let run = runs::scene("tests/data/cases/emitter-at-an-edge.toml", &[]);
+    let judge = Judge::new(&run, (0..run.scene.pulses).collect(), 2, |_| ()).unwrap();
+    let (measured_db, plan) = runs::measured(&judge, &run);
+    let predicted_db = plan.prediction.total_db();
+    println!("predicted {predicted_db:.1}, measured {measured_db:.1} dB");
+    assert!(measured_db <= predicted_db && plan.keeps());
 }
