@@ -43,9 +43,9 @@ impl Apart {
 
 /// Instants at which windows are looked at over a run.
 const CHECKED_WINDOWS: u64 = 64;
-/// Pulses whose schedule is compared with that of an emitter: the first of a run, and as many over all of it.
-/// Emissions that pass by too slowly to reach a window within the first do so at one of the others, in runs of
-/// no more than [`MOST_SCHEDULES`] pulses, where a window and a pulse last a hundredth of an interval.
+/// Pulses whose schedule is compared with that of an emitter: the first of a run, and as many over all of
+/// it. Emissions that pass by too slowly to reach a window within the first do so at one of the others, in
+/// runs of no more than [`MOST_SCHEDULES`] pulses, where window and pulse last a hundredth of an interval.
 const SCHEDULES: u64 = 1 << 14;
 const MOST_SCHEDULES: u64 = 1 << 21;
 

@@ -279,15 +279,15 @@ fn measure(
             }
         })
         .collect();
-    let (peaks, clear): (Vec<[f64; 3]>, Vec<bool>) = fast(aperture, &chips, &|_| ())
+    let (peaks, clear): (Vec<[f64; 3]>, Vec<Option<bool>>) = fast(aperture, &chips, &|_| ())
         .iter()
         .zip(chips.iter().zip(points))
         .map(|(image, (chip, (point, _)))| {
             let mut power: Vec<f64> =
                 image.iter().map(|z| f64::from(z.re).powi(2) + f64::from(z.im).powi(2)).collect();
             let all = power.clone();
-            leave_to_neighbours(&mut power, chip, point.about_m, sought);
-            (brightest(&power, chip).0, stands_out(&power, &all))
+            let crowded = leave_to_neighbours(&mut power, chip, point.about_m, sought);
+            (brightest(&power, chip).0, stands_out(&power, &all).then_some(crowded))
         })
         .unzip();
     let [cells, dense] = CUT;
@@ -308,11 +308,7 @@ fn measure(
         .zip(lines.chunks_exact(3).zip(images.chunks_exact(3)))
         .zip(clear)
         .map(|(((point, support), (lines, images)), clear)| {
-            let found = if clear {
-                judge((*support)?, point.expected_m, lines, images, tapers, scales)?
-            } else {
-                return None;
-            };
+            let found = judge((*support)?, (point.expected_m, clear?), lines, images, tapers, scales)?;
             let cells = found.cross_range.width_m / support.as_ref()?.cuts()[1].1;
             (widening == 1.0 || cells >= widening).then_some(found)
         })
@@ -321,7 +317,7 @@ fn measure(
 
 fn judge(
     support: Support,
-    expected_m: [f64; 3],
+    (expected_m, crowded): ([f64; 3], bool),
     lines: &[Ground],
     images: &[Vec<Complex32>],
     tapers: [Taper; 2],
@@ -329,10 +325,11 @@ fn judge(
 ) -> Option<PointTarget> {
     let power = |image: &[Complex32]| -> Vec<f64> { image.iter().map(|z| f64::from(z.norm_sqr())).collect() };
     let powers = [power(&images[0]), power(&images[1])];
-    // Within a cell of the middle, where the brightest pixel is: farther off a neighbour may be higher.
+    // Beside a neighbour, which may be higher, within a cell of the middle, where the brightest pixel is.
+    // What is higher elsewhere is what this is a side lobe of.
     let top = |power: &[f64]| {
-        let middle = power.len() / 2;
-        let near = middle.saturating_sub(CUT[1])..(middle + CUT[1] + 1).min(power.len());
+        let (middle, reach) = (power.len() / 2, if crowded { CUT[1] } else { power.len() });
+        let near = middle.saturating_sub(reach)..(middle + reach + 1).min(power.len());
         near.max_by(|a, b| power[*a].total_cmp(&power[*b]))
     };
     let tops = [top(&powers[0])?, top(&powers[1])?];
@@ -372,8 +369,8 @@ fn stands_out(power: &[f64], all: &[f64]) -> bool {
     top > 0.0 && top >= median * 10f64.powf(CLEAR_DB / 10.0)
 }
 
-/// Empties the pixels that lie nearer another point that is sought, in cells.
-fn leave_to_neighbours(power: &mut [f64], chip: &Ground, own_m: [f64; 3], sought: &[Sought]) {
+/// Empties the pixels that lie nearer another point that is sought, in cells; whether one is that near.
+fn leave_to_neighbours(power: &mut [f64], chip: &Ground, own_m: [f64; 3], sought: &[Sought]) -> bool {
     let steps = [chip.step_x_m, chip.step_y_m];
     let from = |to_m: [f64; 3], from_m: [f64; 3]| -> f64 {
         let along = |step: &[f64; 3]| {
@@ -387,7 +384,7 @@ fn leave_to_neighbours(power: &mut [f64], chip: &Ground, own_m: [f64; 3], sought
     let others = sought.iter().map(|other| other.about_m).filter(|other_m| *other_m != own_m);
     let near: Vec<[f64; 3]> = others.filter(|other_m| from(*other_m, own_m) < 2.0 * side * side).collect();
     if near.is_empty() {
-        return;
+        return false;
     }
     let columns = chip.pixels[0];
     for (n, power) in power.iter_mut().enumerate() {
@@ -397,6 +394,7 @@ fn leave_to_neighbours(power: &mut [f64], chip: &Ground, own_m: [f64; 3], sought
             *power = 0.0;
         }
     }
+    true
 }
 
 /// The brightest pixel's place, refined by a parabola along both sides of the grid, and whether it lies
