@@ -149,10 +149,11 @@ impl Assessment {
 /// What to do about a latency in which the pulses that are made at once are not made.
 fn short_latency(in_hand: InHand, real_time_factor: f64) -> Option<String> {
     let takes_s = in_hand.batch_s / real_time_factor;
+    let remedy = in_hand.remedy().filter(|_| takes_s > in_hand.latency_s)?;
     // Where generation falls behind, no latency helps.
-    let remedy = in_hand.remedy().filter(|_| takes_s > in_hand.latency_s && real_time_factor >= 1.0)?;
+    let behind = if real_time_factor < 1.0 { ", which is enough once generation keeps up" } else { "" };
     Some(format!(
-        "pulses come too late in real time: those that are made at once take about {} ms on this machine; {remedy}",
+        "pulses come too late in real time: those that are made at once take about {} ms on this machine; {remedy}{behind}",
         digits(takes_s * 1e3)
     ))
 }
