@@ -486,8 +486,8 @@ impl PathGenerator {
     }
 
     /// How much of an emission a window of a pulse receives by some pairs, in time: of a target or the direct
-    /// path, or all where it is sea or ships from the nearest to the farthest; of what the filter rings alone,
-    /// [`RINGING_SHARE`].
+    /// path, or all where it is sea or ships from the nearest to the farthest; of what the filter rings
+    /// alone, [`RINGING_SHARE`].
     fn received_of(
         &self,
         index: u64,
