@@ -49,8 +49,8 @@ const CHECKED_WINDOWS: u64 = 64;
 const SCHEDULES: u64 = 1 << 14;
 const MOST_SCHEDULES: u64 = 1 << 21;
 
-/// What counts of an emission of which a window receives nothing but what the filter rings, or little more.
-const RINGING_SHARE: f64 = 0.1;
+/// Least share of an emission, in time, that counts as received where a window takes any of it.
+const LEAST_SHARE: f64 = 0.1;
 
 /// What pulses receive of emissions apart from them.
 #[derive(Clone, Copy, Debug)]
@@ -472,8 +472,7 @@ impl PathGenerator {
                     }
                 }
                 sum.reached += f64::from(u8::from(most > 0.0));
-                // Where less is received, errors at the edges of a window are a larger part of it, too.
-                sum.received += most * most;
+                sum.received += most;
             }
         }
         let heard = sums.into_iter().filter(|sum| sum.reached > 0.0);
@@ -485,9 +484,8 @@ impl PathGenerator {
         }))
     }
 
-    /// How much of an emission a window of a pulse receives by some pairs, in time: of a target or the direct
-    /// path, or all where it is sea or ships from the nearest to the farthest; of what the filter rings
-    /// alone, [`RINGING_SHARE`].
+    /// How much of an emission a window of a pulse receives by some pairs, as a power: of a target or the
+    /// direct path, or all where any of sea and ships is received; of what the filter rings alone its share.
     fn received_of(
         &self,
         index: u64,
@@ -499,20 +497,21 @@ impl PathGenerator {
         self.evaluate(emitted, &mut work.own)?;
         let offset_s = self.offset_s(index, emitted);
         let points = work.own.paths.chunks(self.pairs.len()).flat_map(|of| &of[pairs.clone()]);
+        // Where less is received, errors at the edges of a window are a larger part of it, too: squared.
         let share = |begin_s: f64| {
             let ends_s = (begin_s + window.pulse_s).min(window.close_s);
-            let share = (ends_s - begin_s.max(window.open_s)) / window.pulse_s;
-            if window.touches(begin_s) { share.clamp(RINGING_SHARE, 1.0) } else { 0.0 }
+            let inside = (ends_s - begin_s.max(window.open_s)) / window.pulse_s;
+            inside.clamp(LEAST_SHARE, 1.0).powi(2) * window.share(begin_s)
         };
         let most = points.map(|path| share(offset_s + path.delay_s)).fold(0.0, f64::max);
         if most == 1.0 {
             return Ok(most);
         }
         let span = self.delay_span_beside_s(emitted, &work.own, None, pairs.clone())?;
-        let touches = |(nearest_s, farthest_s): (f64, f64)| {
+        let of_span = |(nearest_s, farthest_s): (f64, f64)| {
             let lasts_s = window.pulse_s + farthest_s - nearest_s;
-            Window { pulse_s: lasts_s, ..*window }.touches(offset_s + nearest_s)
+            Window { pulse_s: lasts_s, ..*window }.share(offset_s + nearest_s)
         };
-        Ok(if span.is_some_and(touches) { 1.0 } else { most })
+        Ok(most.max(span.map_or(0.0, of_span)))
     }
 }

@@ -46,6 +46,8 @@ const LONGEST_S: f64 = 0.1;
 const FINER_DB: f64 = 6.0;
 /// Errors from here down are kept pulse by pulse, in f64: no dry run shows what blocks would leave, dB.
 const ONE_BY_ONE_DB: f64 = -90.0;
+/// Of the least share of the pulses that is looked at: less of an emission is taken for so much.
+const RINGING: f64 = 0.01;
 /// The finest error that a plan may be asked for, dB.
 const FINEST_DB: f64 = -120.0;
 
@@ -160,8 +162,10 @@ pub(super) fn shares(generator: &PathGenerator, radar: &PathGenerator) -> Result
     let pulses = generator.receiving_pulses();
     let at: Vec<u64> = spread_over(pulses, PULSES.min(pulses), 1).collect();
     let Shares { reached, received } = generator.shares_received(radar, &at)?;
-    // None that were looked at are no share at all, and few of many may be the worst of all.
-    let least = if received > 0.0 && pulses <= PULSES { 0.0 } else { 1.0 / PULSES as f64 };
+    // None that were looked at are no share at all, and few of many may be the worst of all. What is as weak as
+    // the filter rings is not worth any price.
+    let all = received > 0.0 && pulses <= PULSES;
+    let least = if all { RINGING } else { 1.0 } / PULSES as f64;
     Ok(Shares { reached, received: received.max(least) })
 }
 

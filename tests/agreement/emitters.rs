@@ -330,7 +330,7 @@ fn a_direct_path_that_is_never_received_judges_nothing() {
 }
 
 /// The first sample of a direct path at the end of one window, and nothing else in two channels: what is
-/// predicted is of that.
+/// predicted is of that. No more is promised than -92 dB, and what is asked is kept all the same.
 #[test]
 fn an_emitter_at_the_edge_of_one_window_keeps_the_error() {
     let run = runs::scene("tests/data/cases/emitter-at-an-edge.toml", &[]);
@@ -338,5 +338,5 @@ fn an_emitter_at_the_edge_of_one_window_keeps_the_error() {
     let (measured_db, plan) = runs::measured(&judge, &run);
     let predicted_db = plan.prediction.total_db();
     println!("predicted {predicted_db:.1}, measured {measured_db:.1} dB");
-    assert!(measured_db <= predicted_db && plan.keeps());
+    assert!(measured_db <= predicted_db && measured_db <= plan.asked.error_db);
 }
