@@ -162,8 +162,8 @@ pub(super) fn shares(generator: &PathGenerator, radar: &PathGenerator) -> Result
     let pulses = generator.receiving_pulses();
     let at: Vec<u64> = spread_over(pulses, PULSES.min(pulses), 1).collect();
     let Shares { reached, received } = generator.shares_received(radar, &at)?;
-    // None that were looked at are no share at all, and few of many may be the worst of all. What is as weak as
-    // the filter rings is not worth any price.
+    // None that were looked at are no share at all, and few of many may be the worst of all. What is as weak
+    // as the filter rings is not worth any price.
     let all = received > 0.0 && pulses <= PULSES;
     let least = if all { RINGING } else { 1.0 } / PULSES as f64;
     Ok(Shares { reached, received: received.max(least) })
