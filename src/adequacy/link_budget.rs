@@ -45,7 +45,7 @@ use crate::radar::receiver::thermal_noise_w;
 use crate::scattering::target::Scatterer;
 use crate::scene::Target;
 use crate::scene::radar::{AntennaMount, Channel, Pair, Pointing, PolarisationBasis, Radar, TxPolarisation};
-use crate::units::{Decibels, SPEED_OF_LIGHT_MPS, in_turn};
+use crate::units::{Decibels, SPEED_OF_LIGHT_MPS};
 
 /// Targets of a budget; those behind them are counted.
 pub const MOST_TARGETS: usize = 256;
@@ -199,17 +199,16 @@ pub(super) fn power(antenna: &Antenna, direction: DVec3) -> f64 {
 
 /// Least share of the pulses that a channel has; where several leave in turn, of one of these.
 fn least_share(radar: &Radar) -> f64 {
-    let (cycle, turns) = (radar.cycle(), radar.waveform.turns() as u64);
-    let fills = |channel: &Channel, pulse: u64| match &radar.tx_polarisation {
-        TxPolarisation::Alternating(sequence) => in_turn(sequence, pulse) == Some(&channel.tx),
-        TxPolarisation::Simultaneous => true,
-    };
+    let (cycle, turns) = (radar.cycle(), radar.waveform.turns());
+    let TxPolarisation::Alternating(sequence) = &radar.tx_polarisation else { return 1.0 / turns as f64 };
+    // Place i of the sequence and waveform k meet once in a cycle where both leave the same rest, else never.
+    let common = (sequence.len() * turns / cycle.max(1) as usize).max(1);
     let share = |channel: &Channel| {
-        let mut of_turns = vec![0u64; turns as usize];
-        for pulse in (0..cycle).filter(|pulse| fills(channel, *pulse)) {
-            of_turns[(pulse % turns) as usize] += 1;
+        let mut places = vec![0u64; common];
+        for (place, _) in sequence.iter().enumerate().filter(|(_, port)| **port == channel.tx) {
+            places[place % common] += 1;
         }
-        of_turns.into_iter().filter(|count| *count > 0).min().unwrap_or(0) as f64 / cycle as f64
+        places.into_iter().filter(|count| *count > 0).min().unwrap_or(0) as f64 / cycle as f64
     };
     radar.channels.iter().map(share).fold(1.0, f64::min)
 }

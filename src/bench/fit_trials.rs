@@ -333,9 +333,8 @@ impl<L: Fn(&Overrides) -> Result<Run, ConfigError>> Searcher<'_, L> {
             if is_done || self.found.remedies.len() >= MOST {
                 continue;
             }
-            if self.begun.elapsed()
-                > if self.found.remedies.is_empty() { 2 * self.asked.limit } else { self.asked.limit }
-            {
+            let more = if self.found.remedies.is_empty() { 2 } else { 1 };
+            if self.begun.elapsed() > more * self.asked.limit {
                 self.found.out_of_time = true;
                 break;
             }

@@ -46,8 +46,8 @@ const LONGEST_S: f64 = 0.1;
 const FINER_DB: f64 = 6.0;
 /// Errors from here down are kept pulse by pulse, in f64: no dry run shows what blocks would leave, dB.
 const ONE_BY_ONE_DB: f64 = -90.0;
-/// Of the least share of the pulses that is looked at: less of an emission is taken for so much.
-const RINGING: f64 = 0.01;
+/// Less than that received of an emission on average is taken for so much.
+const LEAST_RECEIVED: f64 = 0.01 / PULSES as f64;
 /// The finest error that a plan may be asked for, dB.
 const FINEST_DB: f64 = -120.0;
 
@@ -165,7 +165,7 @@ pub(super) fn shares(generator: &PathGenerator, radar: &PathGenerator) -> Result
     // None that were looked at are no share at all, and few of many may be the worst of all. What is as weak
     // as the filter rings is not worth any price.
     let all = received > 0.0 && pulses <= PULSES;
-    let least = if all { RINGING } else { 1.0 } / PULSES as f64;
+    let least = if all { LEAST_RECEIVED } else { 1.0 / PULSES as f64 };
     Ok(Shares { reached, received: received.max(least) })
 }
 

@@ -223,7 +223,7 @@ impl PulseFactory {
         self.others.iter().map(|other| other.summary())
     }
 
-    /// Bandwidths of the waveforms of emitters, Hz, and lengths, s.
+    /// What the emitters radiate.
     pub(crate) fn emitted(&self) -> impl Iterator<Item = &dyn Waveform> {
         self.others.iter().map(|other| other.waveform())
     }

@@ -53,8 +53,7 @@ pub struct FrontEnd {
     offset: Complex64,
     stc: Option<Stc>,
     jitter: Option<Jitter>,
-    /// From the begin of an emission on, s.
-    /// By the pulses in turn; empty where nothing is blanked.
+    /// From the begin of an emission on, s, by the pulses in turn; empty where nothing is blanked.
     blanked_s: Vec<f64>,
     emissions: PulseTimes,
     /// Of each channel, the window of its receiver, and whether its transmitter stands beside it.

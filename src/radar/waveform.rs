@@ -52,7 +52,6 @@ mod stream;
 mod table;
 mod triangular;
 
-use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::fmt;
 use std::ops::Range;
@@ -136,6 +135,11 @@ pub trait Waveform: Send + Sync {
         &[]
     }
 
+    /// Places among [`Self::in_turn`] of those of which errors are predicted, in the name of all.
+    fn extremes(&self) -> &[usize] {
+        &[]
+    }
+
     /// Whether all emissions are this pulse.
     fn is_one(&self) -> bool {
         self.in_turn().is_empty() && !self.is_stream()
@@ -183,34 +187,12 @@ pub(crate) fn pulses(waveform: &dyn Waveform) -> Vec<&dyn Waveform> {
     }
 }
 
-/// Pulses in turn up to which errors are predicted of each.
-const LOOKED_AT: usize = 8;
-
-/// What errors are predicted of: the waveform, or its pulses in turn. Of many, those of each kind with the
-/// least and the largest length, bandwidth and product of both, and the outermost.
+/// What errors are predicted of: the waveform, or of its pulses in turn those that stand for all.
 pub(crate) fn looked_at(waveform: &dyn Waveform) -> Vec<&dyn Waveform> {
-    let pulses = pulses(waveform);
-    if pulses.len() <= LOOKED_AT {
-        return pulses;
+    match waveform.extremes() {
+        [] => vec![waveform],
+        places => places.iter().filter_map(|n| waveform.in_turn().get(*n)).map(AsRef::as_ref).collect(),
     }
-    let mut places = BTreeSet::new();
-    for kind in pulses.iter().map(|pulse| pulse.name()).collect::<BTreeSet<_>>() {
-        let figures: [fn(&dyn Waveform) -> f64; 5] = [
-            |pulse| pulse.duration_s(),
-            |pulse| pulse.bandwidth_hz(),
-            |pulse| pulse.duration_s() * pulse.bandwidth_hz(),
-            |pulse| pulse.band().from_hz,
-            |pulse| pulse.band().to_hz,
-        ];
-        for figure in figures {
-            let of_kind = || pulses.iter().enumerate().filter(|(_, pulse)| pulse.name() == kind);
-            let by = |a: &(usize, &&dyn Waveform), b: &(usize, &&dyn Waveform)| {
-                figure(*a.1).total_cmp(&figure(*b.1))
-            };
-            places.extend(of_kind().min_by(by).into_iter().chain(of_kind().max_by(by)).map(|(n, _)| n));
-        }
-    }
-    places.into_iter().filter_map(|n| pulses.get(n).copied()).collect()
 }
 
 /// [`Waveform::moment_spectrum`] by 8-point central differences of the spectrum, step `1/(16 Tc)`.

@@ -62,12 +62,12 @@ pub(super) fn receivers(
             phase_rad: mount.ports.phase_rad + phase_deg.to_radians(),
             ..mount.ports
         };
-        let of_array = Vector::new(forward, starboard, down);
-        let lever_arm = mount.lever_arm + of_array;
+        let from_middle = Vector::new(forward, starboard, down);
+        let lever_arm = mount.lever_arm + from_middle;
         let name = names.names.get(first + n).cloned().flatten()?;
         Some(Receiver {
             name,
-            antenna: AntennaMount { lever_arm, of_array, ports, ..mount.clone() },
+            antenna: AntennaMount { lever_arm, of_array: from_middle, ports, ..mount.clone() },
             gate: gate.clone(),
         })
     };

@@ -123,9 +123,8 @@ fn rain_that_cannot_return_an_echo() {
     assert!(high.contains("Rayleigh scattering") && high.contains("3.5e10"), "{high}");
     let off = faults(&[("radar.rain_top_m", "2000"), ("radar.rain_spread_mps", "2")]);
     assert!(off.contains("rain_top_m") && off.contains("rain_clutter = false"), "{off}");
-    for (key, value) in
-        [("radar.rain_top_m", "49"), ("radar.rain_top_m", "-5"), ("radar.rain_spread_mps", "-1")]
-    {
+    let heights = ["0", "49", "-5"].map(|height| ("radar.rain_top_m", height));
+    for (key, value) in heights.into_iter().chain([("radar.rain_spread_mps", "-1")]) {
         let faults = faults(&[on, ("radar.rain_mmph", "5"), (key, value)]);
         assert!(faults.contains(key) && faults.contains("allowed"), "{faults}");
     }

@@ -13,6 +13,7 @@
 //! # Ok::<(), nereus::radar::waveform::WaveformError>(())
 //! ```
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -23,12 +24,15 @@ use crate::units::in_turn;
 
 /// Instants at which the power of a pulse is looked at.
 const INSTANTS: usize = 4096;
+/// Pulses up to which errors are predicted of each.
+const EACH: usize = 8;
 
 /// Pulses in turn.
 #[derive(Clone)]
 pub struct InTurn {
     of: Vec<Arc<dyn Waveform>>,
     band: Band,
+    extremes: Vec<usize>,
     /// Mean energy over the greatest.
     steadiness: f64,
 }
@@ -41,7 +45,8 @@ impl InTurn {
         let energies: Vec<f64> = of.iter().map(|pulse| energy_s(pulse.as_ref())).collect();
         let most = energies.iter().copied().fold(0.0, f64::max);
         let mean = energies.iter().sum::<f64>() / energies.len().max(1) as f64;
-        Self { of, band, steadiness: if most > 0.0 { mean / most } else { 1.0 } }
+        let extremes = extremes(&of);
+        Self { of, band, extremes, steadiness: if most > 0.0 { mean / most } else { 1.0 } }
     }
 
     fn at(&self, emission: u64) -> Option<&Arc<dyn Waveform>> {
@@ -51,6 +56,30 @@ impl InTurn {
     fn most(&self, of: impl Fn(&dyn Waveform) -> f64) -> f64 {
         self.of.iter().map(|pulse| of(pulse.as_ref())).fold(0.0, f64::max)
     }
+}
+
+/// Places of all, up to [`EACH`]; of more, of those of each kind with the least and the largest length,
+/// bandwidth and product of both, and of the outermost.
+fn extremes(of: &[Arc<dyn Waveform>]) -> Vec<usize> {
+    if of.len() <= EACH {
+        return (0..of.len()).collect();
+    }
+    let figures: [fn(&dyn Waveform) -> f64; 5] = [
+        |pulse| pulse.duration_s(),
+        |pulse| pulse.bandwidth_hz(),
+        |pulse| pulse.duration_s() * pulse.bandwidth_hz(),
+        |pulse| pulse.band().from_hz,
+        |pulse| pulse.band().to_hz,
+    ];
+    let mut places = BTreeSet::new();
+    for kind in of.iter().map(|pulse| pulse.name()).collect::<BTreeSet<_>>() {
+        for figure in figures {
+            let of_kind = || (0..of.len()).filter(|n| of[*n].name() == kind);
+            let by = |a: &usize, b: &usize| figure(of[*a].as_ref()).total_cmp(&figure(of[*b].as_ref()));
+            places.extend(of_kind().min_by(by).into_iter().chain(of_kind().max_by(by)));
+        }
+    }
+    places.into_iter().collect()
 }
 
 /// Integral of `|p|^2`, s.
@@ -98,6 +127,10 @@ impl Waveform for InTurn {
 
     fn in_turn(&self) -> &[Arc<dyn Waveform>] {
         &self.of
+    }
+
+    fn extremes(&self) -> &[usize] {
+        &self.extremes
     }
 
     fn steadiness(&self, _emissions: u64) -> f64 {
