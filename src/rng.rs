@@ -23,6 +23,8 @@ pub enum Room {
     ReceiverNoise = 1,
     /// Jitter of the sampling clock: index = pulse.
     SamplingJitter = 2,
+    /// Instability of the transmitter: index = pulse.
+    Transmitter = 3,
     /// Complex amplitude of a sea wave: index = wave-number index along x, part = along y (as two's
     /// complement).
     SeaWave = 16,

@@ -120,7 +120,8 @@ values! {
     Curved(bool) { "flat" = false, "curved" = true }
     Servo(PointingKind) {
         "fixed" = PointingKind::Fixed, "at" = PointingKind::At(AimKind::At),
-        "beside" = PointingKind::At(AimKind::Beside), "scan" = PointingKind::Scan, "sector" = PointingKind::Sector
+        "beside" = PointingKind::At(AimKind::Beside), "scan" = PointingKind::Scan, "sector" = PointingKind::Sector,
+        "steps" = PointingKind::Steps
     }
     // From which direction a pedestal counts, and by what it is kept level.
     ScanFrom(bool) { "nose" = false, "north" = true }
@@ -150,6 +151,8 @@ pub(super) enum PointingKind {
     Scan,
     /// One that goes to and fro.
     Sector,
+    /// A beam that jumps.
+    Steps,
 }
 
 /// Where a track comes from.

@@ -207,10 +207,15 @@ fn in_units(steps: &[u64], unit: u64, least: u64) -> Vec<u64> {
 /// Bytes of the grids of a block of more pulses than [`NODE_PULSES`] ask for.
 const GRID_BYTES: usize = 64 << 20;
 
-/// Most pulses of a block whose grids are no larger than [`GRID_BYTES`].
+/// Most pulses of a block whose grids are no larger than [`GRID_BYTES`]; of a continuous signal, emissions.
 pub(crate) fn most_pulses(scene: &Scene, generator: &PathGenerator, waveform: &dyn Waveform) -> u64 {
     let radar = &scene.radar;
-    let samples = radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 64;
+    // Of a continuous signal grids are those of emissions.
+    let delays_s = generator.delay_span_of_run_s().ok().flatten().filter(|_| waveform.is_stream());
+    let received = delays_s.map_or(radar.window.samples, |(least_s, most_s)| {
+        ((most_s - least_s) * radar.sample_rate_hz).ceil() as usize
+    });
+    let samples = received + waveform.span_samples(radar.sample_rate_hz) + 64;
     // Two cells a sample, real and imaginary; lanes are a power of two.
     let lanes = 2 * radar.channels.len().max(generator.pairs().len()).next_power_of_two();
     let of_pulse = 2 * samples.saturating_mul(lanes) * size_of::<f32>();

@@ -24,7 +24,9 @@
 
 use crate::echo::synth::{Precision, Settings};
 use crate::paths::PathGenerator;
-use crate::paths::block::{NODES, SAMPLED, SIDELOBE_NODES, gain_instants, gain_step, sidelobe_gain_pulses};
+use crate::paths::block::{
+    NODES, SIDELOBE_NODES, gain_instants, gain_step, sampled_tiles, sidelobe_gain_pulses,
+};
 use crate::pulse::costs::Stage;
 use crate::radar::waveform::Waveform;
 use crate::scene::sea::{BraggWaves, FacetScattering, Modulation, Waves};
@@ -176,7 +178,7 @@ impl Size {
         let pairs = generator.pairs().len() as f64;
         let reach =
             radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 2 * settings.guard_samples;
-        let sampled = generator.sampled(SAMPLED);
+        let sampled = generator.sampled(sampled_tiles(generator.facets()));
         let moments = if settings.doppler.has_moments() { 2.0 } else { 1.0 };
         Self {
             facets: generator.facets() as f64,

@@ -26,6 +26,8 @@ const PER_BEAM: f64 = 3.0;
 const STEPS_PER_OCTAVE: f32 = 6.020_6;
 /// The greatest code.
 const MOST_CODE: u8 = 255;
+/// Time from a picture to the next where it is not known, s.
+const USUAL_PERIOD_S: f64 = 2.5;
 /// Beamwidth where the aperture is not known, degrees.
 const USUAL_BEAM_DEG: f64 = 1.0;
 
@@ -122,11 +124,13 @@ impl Ppi {
         self.radials.beam_deg().unwrap_or(USUAL_BEAM_DEG)
     }
 
-    /// Time from a picture to the next, s: of a turn, or of a sweep and the one back.
+    /// Time from a picture to the next, s: of a turn, or of a sweep and the one back; of a beam that jumps,
+    /// a usual one.
     pub fn period_s(&self) -> f64 {
         let way_deg = match self.radials.motion() {
             Motion::Rotation { .. } => 360.0,
             Motion::Sector { width_rad } => 2.0 * width_rad.to_degrees(),
+            Motion::Steps { .. } => return USUAL_PERIOD_S,
         };
         way_deg / self.radials.rate_deg_per_s().abs().max(f64::MIN_POSITIVE)
     }

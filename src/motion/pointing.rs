@@ -116,7 +116,7 @@ impl Surroundings<'_> {
     }
 
     /// The true antenna frame at time `t` on a platform whose true attitude is given: mount, servo, lag
-    /// and bias included.
+    /// and bias included. A beam that jumps is that of the emission at `emitted`.
     ///
     /// # Errors
     /// An instant that a track does not cover.
@@ -124,7 +124,7 @@ impl Surroundings<'_> {
         &self,
         mount: &AntennaMount,
         true_attitude: Rotation<Body, Enu>,
-        t: TimeTag,
+        [t, emitted]: [TimeTag; 2],
     ) -> Result<Rotation<Antenna, Enu>, TrackError> {
         match &mount.pointing {
             Pointing::Fixed { yaw_rad, pitch_rad, roll_rad } => {
@@ -139,7 +139,8 @@ impl Surroundings<'_> {
                 Ok(bias(*bias_rad).then(axes).then(true_attitude))
             }
             Pointing::Scan(Scan { law, level_by, .. }) => {
-                let [az_rad, el_rad] = scan::direction(law, t.since(self.start));
+                let of = if law.dwell_pulses().is_some() { emitted } else { t };
+                let [az_rad, el_rad] = scan::direction(law, of.since(self.start));
                 let pedestal = fixed_mount(az_rad, el_rad, 0.0);
                 let Some(from) = level_by else { return Ok(pedestal.then(true_attitude)) };
                 let known = self.tracks[mount.platform].known(*from).state(t)?;

@@ -11,6 +11,8 @@
 //!
 //! So rates are continuous, and the pedestal runs past either end by `w D / 4`.
 //!
+//! **Steps** through `K` directions, each for `D`: number `floor(t / D) mod K`.
+//!
 //! **Encoder**: `reading = az + bias + noise`, rounded to `360 / 2^bits` degrees, in `[0, 360)`; the same
 //! without the bias for the elevation. Numbers of the noise belong to the pulse.
 //!
@@ -28,9 +30,17 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::rng::{Room, stream};
 use crate::scene::radar::{Encoder, ScanLaw};
 
+/// What instants may be early and still belong to the next direction, of a pulse.
+const TIE_PULSES: f64 = 1e-3;
+
 /// Azimuth and elevation so long after pulse 0, rad. The azimuth of a rotation is not reduced to a turn.
 pub fn direction(law: &ScanLaw, t_s: f64) -> [f64; 2] {
     match *law {
+        ScanLaw::Steps { ref directions_rad, dwell_pulses, dwell_s } => {
+            let number = (t_s / dwell_s + TIE_PULSES / dwell_pulses.max(1) as f64).floor();
+            let place = number.rem_euclid(directions_rad.len().max(1) as f64) as usize;
+            directions_rad.get(place).copied().unwrap_or([0.0; 2])
+        }
         ScanLaw::Rotation { rate_rad_per_s, start_rad, elevation_rad } => {
             [start_rad + rate_rad_per_s * t_s, elevation_rad]
         }
@@ -123,6 +133,19 @@ mod tests {
             assert!((now[1] - before[1]).abs() < 1.1e-3 * 6.0 * 0.2 / (turn_s * turn_s), "{step}");
             before = now;
         }
+    }
+
+    #[test]
+    fn steps_stay_and_jump_at_their_pulses() {
+        let directions_rad = vec![[0.1, 0.0], [0.2, -0.1], [0.3, 0.0]];
+        let pri_s = 1.0 / 3.0e3;
+        let law =
+            ScanLaw::Steps { directions_rad: directions_rad.clone(), dwell_pulses: 7, dwell_s: 7.0 * pri_s };
+        for pulse in (0..2000u64).chain(3_000_000_000..3_000_000_050) {
+            let wanted = directions_rad[(pulse / 7 % 3) as usize];
+            assert_eq!(direction(&law, pulse as f64 * pri_s), wanted, "{pulse}");
+        }
+        assert_eq!(direction(&law, -pri_s), directions_rad[2]);
     }
 
     #[test]

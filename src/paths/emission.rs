@@ -184,7 +184,7 @@ impl Emission {
         for Mounted { mount, receives } in antennas(of.radar) {
             let state_now = &self.states[mount.platform];
             let centre = PhaseCentre::of(state_now, mount.lever_arm);
-            let now = axes(of, mount, state_now, t)?;
+            let now = axes(of, mount, state_now, [t; 2])?;
             let up = earth.up(centre.position).raw();
             let (change, later_up) = if receives && of.axes_span_s > 0.0 {
                 let then = t.plus(of.axes_span_s);
@@ -193,7 +193,7 @@ impl Emission {
                     .state(then)
                     .map_err(failed(mount.platform, TrackUse::Truth))?;
                 let later_up = earth.up(PhaseCentre::of(&later, mount.lever_arm).position).raw();
-                (axes(of, mount, &later, then)? - now, later_up)
+                (axes(of, mount, &later, [then, t])? - now, later_up)
             } else {
                 (DMat3::ZERO, up)
             };
@@ -296,10 +296,15 @@ fn antennas(radar: &Radar) -> impl Iterator<Item = Mounted<'_>> {
     transmit.chain(radar.receivers.iter().map(|r| Mounted { mount: &r.antenna, receives: true }))
 }
 
-fn axes(of: &Circumstances, mount: &AntennaMount, now: &State, t: TimeTag) -> Result<Axes, TrackFailure> {
+fn axes(
+    of: &Circumstances,
+    mount: &AntennaMount,
+    now: &State,
+    at: [TimeTag; 2],
+) -> Result<Axes, TrackFailure> {
     let frame: Rotation<frames::Antenna, Enu> = of
         .surroundings
-        .antenna_frame(mount, now.attitude, t)
+        .antenna_frame(mount, now.attitude, at)
         .map_err(failed(mount.platform, known_track(mount)))?;
     Ok(DMat3::from_quat(frame.raw()))
 }

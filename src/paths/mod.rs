@@ -246,6 +246,8 @@ pub struct PathGenerator {
     guard_samples: usize,
     in_air: InAir,
     hold_pulses: Option<u64>,
+    /// After how many pulses beams jump.
+    dwells: Vec<u64>,
     /// Pulses, where these are not those emitted.
     apart: Option<Apart>,
     sea: Option<Arc<SeaPlan>>,
@@ -347,6 +349,7 @@ impl PathGenerator {
             guard_samples: GUARD_SAMPLES,
             in_air: InAir::default(),
             hold_pulses: None,
+            dwells: partition::dwells(&scene.radar),
             apart: None,
             sea: None,
             clocks: None,

@@ -57,10 +57,10 @@ impl PathGenerator {
         self.window_start_of(window, index)
     }
 
-    /// Pulses for which a patch that follows stays where it is, from pulse 0 on; `None` where it stays for
-    /// good.
+    /// Pulses for which a patch that follows, else a beam that jumps, stays where it is, from pulse 0 on;
+    /// `None` where it stays for good.
     pub fn hold_pulses(&self) -> Option<u64> {
-        self.hold_pulses
+        self.hold_pulses.or_else(|| self.dwells.first().copied())
     }
 
     /// The patch at a pulse; `None` for a scene without sea.

@@ -1,4 +1,4 @@
-//! Where blocks of pulses end because a report changes.
+//! Where blocks of pulses end because a report changes, or a beam jumps.
 //!
 //! Antennas and gates that go by reports jump when a report is changed ([`crate::motion::changes`]), and no
 //! interpolation knows of a jump. So blocks end at the first pulse whose emission comes a servo's lag after
@@ -42,6 +42,15 @@ pub(super) fn report_steered(radar: &Radar) -> Vec<(usize, f64)> {
     found
 }
 
+/// After how many pulses beams jump, each once.
+pub(super) fn dwells(radar: &Radar) -> Vec<u64> {
+    let mut found: Vec<u64> =
+        mounts(radar).filter_map(|(_, mount)| mount.pointing.dwell_pulses()).map(|n| n.max(1)).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
 /// Rounding of windows and emissions, s.
 const GUARD_S: f64 = 1e-3;
 
@@ -61,7 +70,7 @@ impl PathGenerator {
     }
 
     /// The part of a block of pulses, about one of them, in which no report jumps that something is aimed by,
-    /// and a patch that follows stays.
+    /// no beam does, and a patch that follows stays.
     pub fn unbroken(&self, block: Range<u64>, index: u64) -> Range<u64> {
         let mut part = block.clone();
         let mut cut = |pulse: u64| {
@@ -81,6 +90,12 @@ impl PathGenerator {
             let placed_s = |pulse: u64| sea.placed_s(self.radar.emissions.elapsed_s(pulse));
             let moves = |pulse: &u64| placed_s(*pulse) != placed_s(pulse - 1);
             (block.start + 1..block.end).filter(|_| sea.moves()).filter(moves).for_each(&mut cut);
+        }
+        for &dwell in &self.dwells {
+            [index / dwell, index / dwell + 1]
+                .map(|n| n.saturating_mul(dwell))
+                .into_iter()
+                .for_each(&mut cut);
         }
         for &(platform, lag_s) in &self.report_steered {
             let Some(changes) = self.tracks.get(platform).and_then(|of| of.reported.changes()) else {

@@ -80,6 +80,9 @@ pub(super) fn with_classes(
     if !waveform.is_one() && !generator.is_apart() && !generator.receives_itself_alone() {
         return Err(BuildError::SeveralInTurn.into());
     }
+    if recorded.radar.front_end.instability.is_some() && !generator.receives_itself_alone() {
+        return Err(BuildError::SeveralUnstable.into());
+    }
     let (bandwidth_hz, pulse_s) = (waveform.bandwidth_hz(), waveform.duration_s());
     let clocks = RunningClocks::new(clocks, radar, scene.seed, scene.pulses, bandwidth_hz, pulse_s)?;
     let clocks = clocks.map(Arc::new);

@@ -104,6 +104,12 @@ pub enum BuildError {
     /// Pulses that leave in turn, of which a window receives several.
     #[error("radar.waveform: windows receive several of the pulses in turn; {ONE_IN_TURN}")]
     SeveralInTurn,
+    /// A transmitter that differs from pulse to pulse, of which a window receives several.
+    #[error(
+        "radar.front_end: tx_level_rms_db and tx_phase_rms_deg change every pulse, and windows receive several; \
+         allowed: windows that receive their own pulse alone, or neither key"
+    )]
+    SeveralUnstable,
     /// An emitter that begins after the run.
     #[error(
         "emitter '{name}': its first pulse leaves {start_s} s after pulse 0, when the last window has closed; allowed: an earlier \

@@ -88,6 +88,8 @@ pub(crate) struct Joined {
     scratch: Vec<Complex64>,
     /// `[channel][sample]` of a window and its guards.
     sums: Vec<Complex64>,
+    /// Memory of echoes that are no longer needed.
+    spare: Vec<Vec<Complex64>>,
 }
 
 /// The echo of an emission, `[channel][sample]`.
@@ -108,8 +110,8 @@ impl Joined {
         let (inverse, forward) =
             (nereus_fft::inverse(len), nereus_fft::forward(Self::out_len(window_samples)));
         let scratch = inverse.get_inplace_scratch_len().max(forward.get_inplace_scratch_len());
-        let (scratch, sums) = (vec![Complex64::ZERO; scratch], Vec::new());
-        Self { sample_rate_hz, window_samples, span, len, inverse, forward, scratch, sums }
+        let (scratch, sums, spare) = (vec![Complex64::ZERO; scratch], Vec::new(), Vec::new());
+        Self { sample_rate_hz, window_samples, span, len, inverse, forward, scratch, sums, spare }
     }
 
     /// From the first sample of a window to the origin of an emission so long after its pulse, samples: whole
@@ -141,14 +143,21 @@ impl Joined {
         self.sums.resize(channels * (self.window_samples + 2 * GUARD_SAMPLES), Complex64::ZERO);
     }
 
+    /// Forgets all echoes but those of some emissions; their memory stays.
+    pub fn keep(&mut self, echoes: &mut Vec<Echo>, emissions: &Range<u64>) {
+        let gone = echoes.extract_if(.., |echo| !emissions.contains(&echo.emission));
+        self.spare.extend(gone.map(|echo| echo.samples));
+    }
+
     /// Adds the channels of an emission so long after the pulse of their windows, which start so long after
-    /// that pulse, s; its echoes that are known are kept, others are made of the spectra of its channels.
+    /// that pulse, s; its echoes that are known are kept, others are made of the spectra of its channels,
+    /// `[channel][bin]`, which `fill` writes over what it is given.
     pub fn take<E>(
         &mut self,
         echoes: &mut Vec<Echo>,
         (emission, offset_s): (u64, f64),
         starts_s: impl Iterator<Item = f64>,
-        mut spectra: impl FnMut() -> Result<Vec<Complex64>, E>,
+        mut fill: impl FnMut(&mut [Complex64]) -> Result<(), E>,
     ) -> Result<(), E> {
         for (channel, start_s) in starts_s.enumerate() {
             let (later, rest) = self.place(offset_s, start_s);
@@ -156,7 +165,11 @@ impl Joined {
             let at = match known {
                 Some(at) => at,
                 None => {
-                    echoes.push(self.echo(emission, rest, spectra()?));
+                    let channels = self.sums.len() / (self.window_samples + 2 * GUARD_SAMPLES);
+                    let mut bins = self.spare.pop().unwrap_or_default();
+                    bins.resize(channels * self.len, Complex64::ZERO);
+                    fill(&mut bins)?;
+                    echoes.push(self.echo(emission, rest, bins));
                     echoes.len() - 1
                 }
             };

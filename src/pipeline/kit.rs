@@ -113,6 +113,9 @@ impl<'f> Kit<'f> {
     pub fn receive(&mut self, pulse: &mut Pulse) -> Result<(), PulseError> {
         let Self { desk, others, reception, mixer, scratch, clocks, generators } = self;
         let Desk { paths, memory, spectrum } = desk;
+        if let Some(by) = reception.receiver.transmitted(pulse.index) {
+            spectrum.iter_mut().for_each(|bin| *bin *= by);
+        }
         for other in others {
             other.add(pulse, spectrum, &mut memory.costs)?;
         }

@@ -243,7 +243,7 @@ impl<'a> Moment<'a> {
     /// Phase centre and axes of an antenna.
     pub fn antenna(&self, mount: &AntennaMount) -> Result<(PhaseCentre, Rotation<Antenna, Enu>), BuildError> {
         let state = self.state(mount)?;
-        let axes = self.prepared.surroundings().antenna_frame(mount, state.attitude, self.time);
+        let axes = self.prepared.surroundings().antenna_frame(mount, state.attitude, [self.time; 2]);
         Ok((PhaseCentre::of(&state, mount.lever_arm), axes.map_err(self.lost(mount.platform))?))
     }
 

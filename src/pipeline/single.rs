@@ -127,8 +127,9 @@ impl SingleWorker<'_> {
             };
             check(found)?;
             let of_channels = channel_starts(starts_s, &windows, generator.channel_pairs());
-            joined.take(&mut Vec::new(), (emitted, offset_s), of_channels, || {
-                Ok::<_, PulseError>(bins.clone())
+            joined.take(&mut Vec::new(), (emitted, offset_s), of_channels, |out| {
+                out.copy_from_slice(&bins);
+                Ok::<_, PulseError>(())
             })?;
             memory.costs.lap(Stage::Spread);
             memory.costs.accumulated(found.spread);

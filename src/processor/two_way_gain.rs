@@ -50,7 +50,7 @@ impl<'a> TwoWayGain<'a> {
             let mut both = 1.0;
             for (mount, antenna) in &self.ends {
                 let state = self.tracks.get(mount.platform)?.truth.state(t).ok()?;
-                let frame = surroundings.antenna_frame(mount, state.attitude, t).ok()?;
+                let frame = surroundings.antenna_frame(mount, state.attitude, [t; 2]).ok()?;
                 let from = PhaseCentre::of(&state, mount.lever_arm).position;
                 let away = (target.raw() - from.raw()).normalize_or_zero().to_array();
                 let direction = frame.inverse() * Vector::new(away[0], away[1], away[2]);

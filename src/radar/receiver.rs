@@ -130,6 +130,11 @@ impl Receiver {
         Self { front_end, ..self }
     }
 
+    /// What multiplies the echo of a pulse; `None` where all are alike.
+    pub(crate) fn transmitted(&self, pulse: u64) -> Option<Complex64> {
+        self.front_end.as_ref()?.transmitted(pulse)
+    }
+
     /// The same for pulses that have more channels, which something else fills.
     pub fn with_behind(self, behind: usize) -> Self {
         Self { behind, ..self }

@@ -35,6 +35,7 @@ mod coded;
 mod drooping;
 mod dvb_t;
 mod fm;
+mod frequencies;
 mod fresnel;
 mod gps_ca;
 mod gridded;
@@ -70,6 +71,7 @@ pub use coded::Coded;
 pub use drooping::Drooping;
 pub use dvb_t::Television;
 pub use fm::Broadcast;
+pub use frequencies::Frequencies;
 pub use gps_ca::CoarseCode;
 pub use in_turn::InTurn;
 pub use iq_fault::{IqFault, IqFaults};
@@ -112,6 +114,11 @@ pub trait Waveform: Send + Sync {
     /// [`Self::spectrum`] at many frequencies.
     fn spectra(&self, f_hz: &[f64], out: &mut [Complex64]) {
         out.iter_mut().zip(f_hz).for_each(|(out, f_hz)| *out = self.spectrum(*f_hz));
+    }
+
+    /// [`Self::spectra`] at frequencies that other waveforms are read at, too.
+    fn spectra_at(&self, at: &mut Frequencies, out: &mut [Complex64]) {
+        self.spectra(at.hz(), out);
     }
 
     /// `p(t)`, dimensionless.

@@ -208,9 +208,9 @@ pub enum Look {
         /// Whether azimuth and elevation are those from North and the horizontal plane; else from the
         /// platform's nose and deck.
         level: bool,
-        /// Rate, deg/s, clockwise from above; of a sector, that within a sweep.
+        /// Rate, deg/s, clockwise from above; of a sector, that within a sweep; 0 of a beam that jumps.
         rate_deg_per_s: f64,
-        /// Azimuths between which it goes to and fro, deg; both 0: it turns without end.
+        /// Azimuths between which it goes to and fro, or jumps, deg; both 0: it turns without end.
         sector_deg: [f64; 2],
         /// Elevation, of the first sweep, deg.
         elevation_deg: f64,
@@ -249,6 +249,12 @@ impl Look {
                     ScanLaw::Sector { from_rad, to_rad, rate_rad_per_s, elevations_rad, .. } => {
                         let first = elevations_rad.first().copied().unwrap_or(0.0);
                         (*rate_rad_per_s, [*from_rad, *to_rad], first)
+                    }
+                    ScanLaw::Steps { directions_rad, .. } => {
+                        let azimuths = || directions_rad.iter().map(|[azimuth, _]| *azimuth);
+                        let ends = [azimuths().reduce(f64::min), azimuths().reduce(f64::max)];
+                        let first = directions_rad.first().map_or(0.0, |[_, elevation]| *elevation);
+                        (0.0, ends.map(Option::unwrap_or_default), first)
                     }
                 };
                 Self::Scan {

@@ -11,6 +11,10 @@ pub struct FrontEnd {
     pub offset: [f64; 2],
     /// Sensitivity time control.
     pub stc: Option<Stc>,
+    /// Automatic gain control within the window of a pulse.
+    pub agc: Option<Agc>,
+    /// Instability of what is transmitted.
+    pub instability: Option<Instability>,
     /// Jitter of the sampling clock.
     pub jitter: Option<Jitter>,
     /// While the receiver is blanked: from the begin of an emission until so long after its end, s.
@@ -26,6 +30,28 @@ pub struct Stc {
     pub exponent: f64,
     /// Gain at the least, dB below the full one.
     pub depth_db: f64,
+}
+
+/// Automatic gain control: gain that falls where samples are strong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Agc {
+    /// Mean power of samples above which the gain falls, W.
+    pub level_w: f64,
+    /// Time constant of the mean where power rises, s.
+    pub attack_s: f64,
+    /// Where it falls, s.
+    pub release_s: f64,
+    /// Gain at the least, dB below the full one.
+    pub depth_db: f64,
+}
+
+/// What differs from pulse to pulse in amplitude and phase: of all transmitters, for they share an exciter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instability {
+    /// Standard deviation of the level, dB.
+    pub level_db: f64,
+    /// Standard deviation of the phase, rad.
+    pub phase_rad: f64,
 }
 
 /// Jitter of the instants at which samples are taken.

@@ -1,6 +1,10 @@
 //! Pulses that droop keep the error, and what is wrong in the front end is the same whatever is asked.
 
-use crate::runs::{holds, pulses};
+use nereus::pipeline::build;
+use nereus::pulse::Samples;
+use num_complex::Complex64;
+
+use crate::runs::{self, holds, pulses};
 
 const COASTAL: &str = "configs/coastal.toml";
 
@@ -15,7 +19,7 @@ fn drooping_pulses_keep_the_error() {
 #[test]
 fn a_part_of_a_run_with_front_end_errors_is_bit_identical() {
     let table = "{ iq_gain_db = 0.5, iq_phase_deg = 2, offset_dbw = -150, stc_full_us = 30, blanking = true, \
-                 jitter_rms_s = 1e-12 }";
+                 agc_level_dbw = -120, tx_level_rms_db = 0.1, tx_phase_rms_deg = 1, jitter_rms_s = 1e-12 }";
     let settings = [("radar.front_end", table), ("radar.noise_figure_db", "3")];
     let whole = pulses(COASTAL, &settings, "2", 0..60);
     assert!(pulses(COASTAL, &settings, "1", 20..60) == whole[20..], "a part differs");
@@ -25,6 +29,9 @@ fn a_part_of_a_run_with_front_end_errors_is_bit_identical() {
         "iq_phase_deg = 2",
         "offset_dbw = -150, offset_phase_deg = 30",
         "stc_full_us = 30, stc_exponent = 2, stc_depth_db = 20",
+        "agc_level_dbw = -140, agc_attack_us = 0.2, agc_release_us = 3, agc_depth_db = 30",
+        "tx_level_rms_db = 0.1",
+        "tx_phase_rms_deg = 1",
         "jitter_rms_s = 1e-12, jitter_if_hz = 60e6",
     ] {
         let table = format!("{{ {keys} }}");
@@ -32,4 +39,42 @@ fn a_part_of_a_run_with_front_end_errors_is_bit_identical() {
         assert!(found[3].samples != ideal[3].samples, "{keys} changes nothing");
     }
     assert!(pulses(COASTAL, &[("radar.front_end", "{}"), settings[1]], "1", 0..8) == ideal, "it is not free");
+}
+
+/// A transmitter that is not stable multiplies every pulse by one number; levels and phases have their
+/// deviations (within four standard errors of 400), and windows that receive several pulses are refused.
+#[test]
+fn pulses_of_an_unstable_transmitter_are_multiples() {
+    let quiet = [("radar.noise_figure_db", "0"), ("scene.patch_size_m", "[8, 8]"), ("scene.duration_s", "2")];
+    let unstable = [("radar.front_end", "{ tx_level_rms_db = 0.5, tx_phase_rms_deg = 3 }")];
+    let wanted = [0.5, 3f64.to_radians()];
+    let made = |settings: &[(&str, &str)]| {
+        let mut run = runs::scene(COASTAL, settings);
+        run.scene.radar.noise_figure_db = None;
+        runs::kept(build::stream(&run, 0..400).unwrap())
+    };
+    let (plain, other) = (made(&quiet), made(&[&quiet[..], &unstable].concat()));
+    let mut sums = [0.0; 2];
+    for (plain, other) in plain.iter().zip(&other) {
+        let [plain, other] = [plain, other].map(|pulse| {
+            let Samples::Cf32(samples) = &pulse.samples else { panic!("a converter") };
+            samples.iter().map(|s| Complex64::new(s.re.into(), s.im.into())).collect::<Vec<_>>()
+        });
+        let power: f64 = plain.iter().map(|s| s.norm_sqr()).sum();
+        let by = plain.iter().zip(&other).map(|(a, b)| b * a.conj()).sum::<Complex64>() / power;
+        let off: f64 = plain.iter().zip(&other).map(|(a, b)| (b - a * by).norm_sqr()).sum();
+        assert!(off < 1e-12 * power, "{}", off / power);
+        for (sum, value) in sums.iter_mut().zip([20.0 * by.norm().log10(), by.arg()]) {
+            *sum += value * value;
+        }
+    }
+    for (sum, wanted) in sums.into_iter().zip(wanted) {
+        let found = (sum / 400.0).sqrt();
+        assert!((found / wanted - 1.0).abs() < 4.0 / 800f64.sqrt(), "{found} {wanted}");
+    }
+    let early = [&unstable[..], &[("radar.prf_hz", "200e3")]].concat();
+    let mut run = runs::scene(COASTAL, &early);
+    run.scene.pulses = 100;
+    let refused = build::stream(&run, 0..100).err().unwrap().to_string();
+    assert!(refused.contains("windows that receive their own pulse alone"), "{refused}");
 }

@@ -45,6 +45,7 @@ mod scenes;
 mod ships;
 mod spectra;
 mod streams;
+mod steps;
 mod stretched;
 mod synth_error;
 mod synth_laws;

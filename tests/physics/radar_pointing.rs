@@ -17,7 +17,7 @@ fn frame_of(
 ) -> Rotation<Antenna, Enu> {
     let around = Surroundings { tracks, frame, start: TimeTag::default() };
     let state = tracks[mount.platform].truth.state(t).unwrap();
-    around.antenna_frame(mount, state.attitude, t).unwrap()
+    around.antenna_frame(mount, state.attitude, [t; 2]).unwrap()
 }
 
 fn boresight(frame: Rotation<Antenna, Enu>) -> Vector<Enu> {

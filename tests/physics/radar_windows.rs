@@ -197,7 +197,7 @@ fn the_receive_antenna_is_that_of_the_reception() {
     let from = tracks[1].truth.state(emission.plus(record.target_delay_s[0])).unwrap().position;
     let epoch = Point::new(0.0, 0.0, 0.0) - from;
     let gain_at = |s: f64| {
-        let frame = around.antenna_frame(mount, level(), emission.plus(s)).unwrap();
+        let frame = around.antenna_frame(mount, level(), [emission.plus(s); 2]).unwrap();
         antenna.field_gain(frame.inverse() * (epoch * epoch.norm().recip())).re
     };
     let (exact, stale) = (gain_at(record.target_delay_s[0]), gain_at(0.0));

@@ -77,7 +77,7 @@ tables! {
         BANDWIDTH_HZ "bandwidth_hz", above("Hz", 0.0, 1e9), Means("half the pulse rate"), "Highest frequency of the phase noise of h_1 and h_2.";
     }
     pointing "pointing = { ... } of [[transmitter]], [[receiver]] and [[emitter]]" "Where an antenna points." {
-        KIND "kind", Choice(words::<Servo>), Required, "Bolted to the body; servo on a point; servo on a point beside a platform; a pedestal that turns without end; one that goes to and fro.";
+        KIND "kind", Choice(words::<Servo>), Required, "Bolted to the body; servo on a point; servo on a point beside a platform; a pedestal that turns without end; one that goes to and fro; a beam that stays in each of some directions for some pulses.";
         YAW_DEG "yaw_deg", number("deg", -360.0, 360.0), default(0.0), "fixed: relative to the body, positive to starboard (clockwise from above).";
         PITCH_DEG "pitch_deg", number("deg", -90.0, 90.0), default(0.0), "fixed: relative to the body, positive up.";
         ROLL_DEG "roll_deg", number("deg", -180.0, 180.0), default(0.0), "fixed: about the boresight.";
@@ -88,8 +88,8 @@ tables! {
         PLATFORM "platform", Name, Required, "beside: the platform.";
         ALONG_M "along_m", number("m", -FAR_M, FAR_M), default(0.0), "beside: metres ahead along the ground track.";
         ACROSS_M "across_m", number("m", -FAR_M, FAR_M), Required, "beside: metres to starboard of the ground track, negative to port.";
-        AIM_FROM "aim_from", Choice(words::<AimFrom>), Word("reported"), "at, beside: which tracks the servo knows; scan, sector from north: by which the pedestal is kept level.";
-        ABOUT "about", Choice(words::<ScanFrom>), Word("nose"), "scan, sector: azimuth and elevation from the platform's nose and deck, or from the scene's North and the horizontal plane.";
+        AIM_FROM "aim_from", Choice(words::<AimFrom>), Word("reported"), "at, beside: which tracks the servo knows; scan, sector, steps from north: by which the pedestal or beam is kept level.";
+        ABOUT "about", Choice(words::<ScanFrom>), Word("nose"), "scan, sector, steps: azimuth and elevation from the platform's nose and deck, or from the scene's North and the horizontal plane.";
         RPM "rpm", number("1/min", -600.0, 600.0), Required, "scan: turns a minute, clockwise seen from above; negative: counterclockwise.";
         START_DEG "start_deg", number("deg", -360.0, 360.0), default(0.0), "scan: azimuth at pulse 0, clockwise.";
         ELEVATION_DEG "elevation_deg", number("deg", -90.0, 90.0), default(0.0), "scan: elevation of the boresight, positive up.";
@@ -97,10 +97,12 @@ tables! {
         TO_DEG "to_deg", number("deg", -360.0, 360.0), Required, "sector: azimuth at which they end, other than from_deg.";
         RATE_DEG_S "rate_degps", above("deg/s", 0.0, 3600.0), Required, "sector: rate within a sweep.";
         TURN_MS "turn_ms", number("ms", 1.0, 1e5), default(100.0), "sector: time in which the pedestal turns round between sweeps, past either end by a quarter of rate times time.";
-        ELEVATIONS_DEG "elevations_deg", Kind::Numbers { unit: "deg", least: 1, most: 1024, min: -90.0, max: 90.0 }, Means("[0], the horizontal plane or the deck"), "sector: elevations of sweeps in turn, positive up: a raster.";
-        ENCODER_BIAS_DEG "encoder_bias_deg", number("deg", -180.0, 180.0), default(0.0), "scan, sector: azimuth that the encoder reads minus the azimuth.";
-        ENCODER_NOISE_DEG "encoder_noise_deg", number("deg", 0.0, 10.0), default(0.0), "scan, sector: noise of each reading of azimuth and elevation, rms.";
-        ENCODER_BITS "encoder_bits", Kind::Count { min: 4, max: 30 }, Means("no steps"), "scan, sector: bits of a turn to which readings are rounded.";
+        ELEVATIONS_DEG "elevations_deg", Kind::Numbers { unit: "deg", least: 1, most: 1024, min: -90.0, max: 90.0 }, Means("[0], the horizontal plane or the deck"), "sector: elevations of sweeps in turn, positive up: a raster; steps: of each direction, or one for all.";
+        AZIMUTHS_DEG "azimuths_deg", Kind::Numbers { unit: "deg", least: 1, most: 1024, min: -360.0, max: 360.0 }, Required, "steps: azimuths of the directions in turn, clockwise; the first at pulse 0.";
+        DWELL_PULSES "dwell_pulses", Kind::Count { min: 1, max: 1_000_000 }, Required, "steps: pulses in each direction; with intervals in turn, a multiple of their number.";
+        ENCODER_BIAS_DEG "encoder_bias_deg", number("deg", -180.0, 180.0), default(0.0), "scan, sector, steps: azimuth that the encoder reads minus the azimuth.";
+        ENCODER_NOISE_DEG "encoder_noise_deg", number("deg", 0.0, 10.0), default(0.0), "scan, sector, steps: noise of each reading of azimuth and elevation, rms.";
+        ENCODER_BITS "encoder_bits", Kind::Count { min: 4, max: 30 }, Means("no steps"), "scan, sector, steps: bits of a turn to which readings are rounded.";
         LAG_S "lag_s", number("s", 0.0, 100.0), default(0.0), "at, beside: the servo acts on what was known this long ago.";
         BIAS_AZ_DEG "bias_az_deg", number("deg", -180.0, 180.0), default(0.0), "at, beside: constant azimuth offset of the boresight, positive to the left (+y of the antenna), opposite to yaw_deg.";
         BIAS_EL_DEG "bias_el_deg", number("deg", -90.0, 90.0), default(0.0), "at, beside: constant elevation offset of the boresight, positive up (+z of the antenna).";

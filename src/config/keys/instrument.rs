@@ -85,6 +85,12 @@ tables! {
         STC_DEPTH_DB "stc_depth_db", number("dB", 0.0, 200.0), default(60.0), "stc_full_us: least gain, below the full one.";
         BLANKING "blanking", Kind::Flag, Flag(false), "Whether samples are 0 while the radar transmits, in channels whose transmitter is on the platform of the receiver. Not with dechirp, nor with gate = \"continuous\".";
         RECOVERY_US "recovery_us", number("us", 0.0, 1e7), default(0.0), "blanking: how much longer than the pulse it lasts.";
+        AGC_LEVEL_DBW "agc_level_dbw", number("dBW", -400.0, 100.0), Means("no automatic gain control"), "Automatic gain control within the window of each pulse: mean power of samples above which the gain falls. Not with gate = \"continuous\".";
+        AGC_ATTACK_US "agc_attack_us", above("us", 0.0, 1e7), default(1.0), "agc_level_dbw: time constant of the mean where the power rises.";
+        AGC_RELEASE_US "agc_release_us", above("us", 0.0, 1e7), default(10.0), "agc_level_dbw: time constant where it falls.";
+        AGC_DEPTH_DB "agc_depth_db", number("dB", 0.0, 200.0), default(60.0), "agc_level_dbw: least gain, below the full one.";
+        TX_LEVEL_RMS_DB "tx_level_rms_db", number("dB", 0.0, 6.0), default(0.0), "Instability of the transmitters from pulse to pulse, before noise: level, standard deviation. Not with gate = \"continuous\", nor where a window receives other pulses than its own.";
+        TX_PHASE_RMS_DEG "tx_phase_rms_deg", number("deg", 0.0, 60.0), default(0.0), "The same: phase, standard deviation.";
         JITTER_RMS_S "jitter_rms_s", number("s", 0.0, 1e-3), default(0.0), "Jitter of the sampling clock, from sample to sample: standard deviation. 2 pi times it times the highest frequency is at most 0.3.";
         JITTER_IF_HZ "jitter_if_hz", number("Hz", 0.0, 1e12), default(0.0), "jitter_rms_s: intermediate frequency at which the converter meets the carrier.";
     }

@@ -181,6 +181,10 @@ fn pointing(section: Section<'_>, ground: &Ground, platforms: &Names) -> Option<
             let law = sector(&section);
             scan(&section, law)
         }
+        Some(Servo(PointingKind::Steps)) => {
+            let law = steps(&section);
+            scan(&section, law)
+        }
         None => None,
     };
     section.finish();
@@ -207,6 +211,33 @@ fn sector(section: &Section<'_>) -> Option<ScanLaw> {
         rate_rad_per_s: rate?.to_radians(),
         turn_s: turn? / 1e3,
         elevations_rad: elevations?.into_iter().map(f64::to_radians).collect(),
+    })
+}
+
+/// A beam that jumps; how long it stays is not known before the intervals of the radar are.
+fn steps(section: &Section<'_>) -> Option<ScanLaw> {
+    use keys::pointing as k;
+    let azimuths = section.numbers(&k::AZIMUTHS_DEG);
+    let elevations =
+        if section.has(&k::ELEVATIONS_DEG) { section.numbers(&k::ELEVATIONS_DEG) } else { Some(vec![0.0]) };
+    let dwell_pulses = section.count(&k::DWELL_PULSES);
+    let (azimuths, mut elevations) = azimuths.zip(elevations)?;
+    if elevations.len() == 1 {
+        elevations.resize(azimuths.len(), elevations[0]);
+    }
+    if elevations.len() != azimuths.len() {
+        let (found, allowed) = (
+            format!("{} elevations", elevations.len()),
+            format!("{}, one for each azimuth, or one for all", azimuths.len()),
+        );
+        section.fault(&k::ELEVATIONS_DEG, Problem::Type { found, allowed });
+        return None;
+    }
+    let directions = azimuths.into_iter().zip(elevations);
+    Some(ScanLaw::Steps {
+        directions_rad: directions.map(|(az, el)| [az.to_radians(), el.to_radians()]).collect(),
+        dwell_pulses: dwell_pulses?,
+        dwell_s: 0.0,
     })
 }
 

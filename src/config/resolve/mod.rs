@@ -25,6 +25,7 @@ mod signal;
 mod ship_mesh;
 mod turbulent;
 mod slick;
+mod steps;
 mod stream;
 mod target;
 mod video;

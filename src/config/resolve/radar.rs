@@ -8,7 +8,7 @@ use super::front_end;
 use super::receiver;
 use super::signal::{emissions, waveform};
 use super::window::window;
-use super::{Ground, Names, plausible};
+use super::{Ground, Names, plausible, steps};
 use crate::config::choices::TxKind;
 use crate::config::error::{Problem, Warning};
 use crate::config::keys::{self, Key, figure};
@@ -38,7 +38,7 @@ pub(super) fn radar(
     calibration: &mut Option<Vec<Calibration>>,
 ) -> Option<Radar> {
     let mut transmitter_names = Names::new("transmitter");
-    let transmitters: Vec<Option<Transmitter>> = root
+    let mut transmitters: Vec<Option<Transmitter>> = root
         .sections(&keys::root::TRANSMITTER)
         .into_iter()
         .map(|section| {
@@ -141,8 +141,27 @@ pub(super) fn radar(
                 (known, "[[radar.calibration]]"),
                 (matches!(rain_clutter, Some(Some(_))), "rain_clutter"),
                 (gates, "stc_full_us or blanking in [radar.front_end]"),
+                (front_end.is_some_and(|of| of.agc.is_some()), "agc_level_dbw in [radar.front_end]"),
+                (front_end.is_some_and(|of| of.instability.is_some()), "tx_level_rms_db or tx_phase_rms_deg"),
             ],
         );
+    }
+    let own = transmitters.iter().flatten().map(|of| &of.antenna);
+    let beams_jump = own.chain(receivers.iter().flatten().map(|of| &of.antenna)).any(steps::jumps);
+    let of_emitter = emitters.iter().flatten().any(|of| steps::jumps(&of.transmitter.antenna));
+    refuse_beside(
+        &section,
+        (&k::PRF_HZ, "a beam that jumps (pointing.kind = \"steps\")", "no such beam"),
+        &[
+            (beams_jump && continuous, "gate = \"continuous\""),
+            (beams_jump && emitters.as_ref().is_some_and(|of| !of.is_empty()), "[[emitter]]"),
+            (of_emitter && !beams_jump, "[[emitter]] whose beam it is"),
+        ],
+    );
+    if let Some(emissions) = &emissions {
+        let own = transmitters.iter_mut().flatten().map(|of| (of.name.as_str(), &mut of.antenna));
+        let others = receivers.iter_mut().flatten().map(|of| (of.name.as_str(), &mut of.antenna));
+        steps::dwell(&section, own.chain(others), emissions);
     }
     let known = calibration.as_ref().is_some_and(|list| !list.is_empty());
     let errs = front_end.is_some_and(|of| !of.is_ideal());

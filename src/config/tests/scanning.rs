@@ -8,6 +8,7 @@ pub(super) fn variants() -> Vec<(&'static str, Vec<(&'static str, &'static str)>
     [
         "{ kind = 'scan', rpm = 20, about = 'north' }",
         "{ kind = 'sector', from_deg = -10, to_deg = 10, rate_degps = 5, elevations_deg = [0], encoder_bits = 12 }",
+        "{ kind = 'steps', azimuths_deg = [-10, 10], dwell_pulses = 9 }",
     ]
     .map(|pointing| vec![("transmitter.0.pointing", pointing)])
     .into_iter()
@@ -44,6 +45,31 @@ fn scans_arrive() {
     assert_eq!((scan.encoder.bits, scan.encoder.bias_rad), (Some(12), 0.5f64.to_radians()));
     let ScanLaw::Sector { turn_s, elevations_rad, .. } = &scan.law else { panic!() };
     assert_eq!((*turn_s, elevations_rad.len()), (0.1, 2));
+}
+
+#[test]
+fn beams_that_jump_arrive() {
+    let steps = "{ kind = 'steps', azimuths_deg = [0, 90], elevations_deg = [-1.0], dwell_pulses = 8 }";
+    let run = with(steps, PLAIN).unwrap();
+    let Pointing::Scan(scan) = &run.scene.radar.transmitters[0].antenna.pointing else { panic!() };
+    let ScanLaw::Steps { directions_rad, dwell_pulses, dwell_s } = &scan.law else { panic!() };
+    let down_rad = (-1f64).to_radians();
+    assert_eq!(*directions_rad, [[0.0, down_rad], [90f64.to_radians(), down_rad]]);
+    assert_eq!(*dwell_pulses, 8);
+    assert!((dwell_s - 8.0 * run.scene.radar.emissions.mean_pri_s()).abs() < 1e-15);
+    for (more, said) in [
+        (
+            ("transmitter.0.pointing.elevations_deg", "[1, 2, 3]"),
+            "pointing.elevations_deg: 3 elevations is not allowed; allowed: 2, one for each azimuth, or one for all",
+        ),
+        (
+            ("radar.window", "{ gate = 'continuous', samples = 4000 }"),
+            "a beam that jumps (pointing.kind = \"steps\") beside gate = \"continuous\"",
+        ),
+    ] {
+        let found = coastal_with(&[("transmitter.0.pointing", steps), more]).unwrap_err().to_string();
+        assert!(found.contains(said), "{found}");
+    }
 }
 
 #[test]

@@ -5,8 +5,8 @@ use num_complex::Complex64;
 use super::block::{BlockPaths, Frame, Node};
 use super::doppler::{self, Correction};
 use super::scalar::Scalar;
-use super::{Bin, Settings, Synth, SynthError};
-use crate::radar::waveform::Waveform;
+use super::{Bin, Layer, Settings, Synth, SynthError};
+use crate::radar::waveform::{Frequencies, Waveform};
 use crate::units::in_turn;
 
 /// Bins whose spectra are found together.
@@ -58,8 +58,7 @@ impl<T: Scalar> Synth<T> {
         out.resize_with(self.layers.len(), Vec::new);
         for (layer, replica) in self.layers.iter().zip(out) {
             let mean_hz = mean_hz.get(layer.pair).copied().unwrap_or(0.0);
-            let at =
-                |bin: &Bin| doppler::stretched(self.settings.envelope, self.carrier_hz, bin.f_hz, mean_hz);
+            let at = |bin: &Bin| self.read_at(bin, mean_hz);
             replica.clear();
             replica.resize(self.bins.len(), Complex64::ZERO);
             if layer.moment {
@@ -78,6 +77,43 @@ impl<T: Scalar> Synth<T> {
                 *pulse = *pulse * bin.origin * (at(bin).1 * bin.gain);
             }
         }
+    }
+
+    /// Frequencies that [`Self::replicas_at`] reads at, of every layer, about these mean Dopplers of the
+    /// pairs, Hz.
+    pub fn frequencies(&self, mean_hz: &[f64]) -> Vec<Frequencies> {
+        let of = |layer: &Layer| {
+            let mean_hz = mean_hz.get(layer.pair).copied().unwrap_or(0.0);
+            Frequencies::new(self.bins.iter().map(|bin| self.read_at(bin, mean_hz).0).collect())
+        };
+        self.layers.iter().map(of).collect()
+    }
+
+    /// As [`Self::replicas_of`] about the same mean Dopplers, of one of many waveforms.
+    pub fn replicas_at(
+        &self,
+        waveform: &dyn Waveform,
+        (mean_hz, frequencies): (&[f64], &mut [Frequencies]),
+        out: &mut Vec<Vec<Complex64>>,
+    ) {
+        if self.layers.iter().any(|layer| layer.moment) {
+            return self.replicas_of(waveform, mean_hz, out);
+        }
+        out.resize_with(self.layers.len(), Vec::new);
+        for ((layer, at), replica) in self.layers.iter().zip(frequencies).zip(out) {
+            let mean_hz = mean_hz.get(layer.pair).copied().unwrap_or(0.0);
+            let stretch = self.bins.first().map_or(1.0, |bin| self.read_at(bin, mean_hz).1);
+            replica.resize(self.bins.len(), Complex64::ZERO);
+            waveform.spectra_at(at, replica);
+            for (pulse, bin) in replica.iter_mut().zip(&self.bins) {
+                *pulse = *pulse * bin.origin * (stretch * bin.gain);
+            }
+        }
+    }
+
+    /// Where the pulse is read for a bin, Hz, and its stretch.
+    fn read_at(&self, bin: &Bin, mean_hz: f64) -> (f64, f64) {
+        doppler::stretched(self.settings.envelope, self.carrier_hz, bin.f_hz, mean_hz)
     }
 
     /// What Doppler off the mean adds to phase and place.

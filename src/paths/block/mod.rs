@@ -99,8 +99,11 @@ use timing::Timings;
 use travelling::Part;
 use turning::Turning;
 
-/// Tiles that are evaluated to learn what a block returns.
-pub const SAMPLED: usize = 48;
+/// Tiles of a patch of so many facets that are evaluated to learn what a block returns: one in five, as far
+/// as that is from 8 to 48.
+pub fn sampled_tiles(facets: usize) -> usize {
+    (facets / (5 * LANES)).clamp(8, 48)
+}
 
 /// What is found as the reference finds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -262,7 +265,7 @@ impl PathGenerator {
         work.part = Part::Still;
         // Runs of a sample lie too far apart for that.
         let wakes = std::mem::take(&mut work.wakes);
-        for runs in Cut::of(patch.facets).sample(SAMPLED) {
+        for runs in Cut::of(patch.facets).sample(sampled_tiles(patch.len())) {
             facets += work.take(runs);
             self.evaluate_tile(sea, patch, work);
             for (number, (pair, sample)) in work.tile.pairs.iter().zip(&mut *samples).enumerate() {
@@ -295,7 +298,7 @@ impl PathGenerator {
         let Some(sea) = &self.sea else { return tally };
         let mut again = Tally::default();
         work.turning.set_least(samples.iter().map(|sample| sample.received_power_w), patch.len());
-        for runs in Cut::of(patch.facets).tiles() {
+        for runs in Cut::of(patch.facets).tiles(self.recedes_northward(patch, work)) {
             let facets = work.take(runs) as u64;
             tally.facets += facets;
             let (mut part, mut tally) = (Some(sea.first_part()), &mut tally);
@@ -324,6 +327,23 @@ impl PathGenerator {
         work.part = Part::Still;
         work.turning.rest();
         tally
+    }
+}
+
+impl PathGenerator {
+    /// Whether delays grow more to the North than to the East in the middle of a patch: tiles one after the
+    /// other to the East then lie in the same cells, which stay in the cache.
+    fn recedes_northward(&self, patch: &Patch, work: &TileWork) -> bool {
+        let (Some(plan), Some(node)) = (self.plans.first(), work.nodes.first()) else { return false };
+        let middle = [0, 1].map(|i| patch.facet_m * (patch.first[i] as f64 + 0.5 * patch.facets[i] as f64));
+        let from = |end: usize| {
+            let centre = node.emission.centres[end].position.raw();
+            let away = (middle[0] - centre.x, middle[1] - centre.y);
+            let distance_m = away.0.hypot(away.1).hypot(centre.z).max(f64::MIN_POSITIVE);
+            [away.0 / distance_m, away.1 / distance_m]
+        };
+        let [a, b] = plan.ends(self.radar.transmitters.len()).map(from);
+        (a[1] + b[1]).abs() > (a[0] + b[0]).abs()
     }
 }
 

@@ -45,15 +45,26 @@ impl Cut {
         Run { first: row * self.columns + column, count: RUN.min(self.columns.saturating_sub(column)) }
     }
 
-    /// Tiles of the patch, each as its runs.
-    pub fn tiles(self) -> impl Iterator<Item = impl Iterator<Item = Run>> {
-        (0..self.columns.div_ceil(RUN)).flat_map(move |strip| {
-            let from = strip * self.rows;
-            let together = LANES / self.run(from).count.max(1);
-            (0..self.rows).step_by(together).map(move |row| {
-                (from + row..from + self.rows.min(row + together)).map(move |number| self.run(number))
+    /// Tiles of the patch, each as its runs: strip by strip, or across the strips.
+    pub fn tiles(self, across: bool) -> impl Iterator<Item = impl Iterator<Item = Run>> {
+        let (strips, of_strip) =
+            (self.columns.div_ceil(RUN), move |strip| self.rows.div_ceil(self.height(strip)));
+        // The last strip may be narrow, and its tiles high.
+        let most = [0, strips.saturating_sub(1)].map(of_strip).into_iter().fold(0, usize::max);
+        let [outer, inner] = if across { [most, strips] } else { [strips, most] };
+        (0..outer).flat_map(move |a| {
+            (0..inner).filter_map(move |b| {
+                let (strip, place) = if across { (b, a) } else { (a, b) };
+                let (from, height) = (strip * self.rows, self.height(strip));
+                let rows = place * height..self.rows.min((place + 1) * height);
+                (rows.start < self.rows).then(|| rows.map(move |row| self.run(from + row)))
             })
         })
+    }
+
+    /// Rows of the tiles of a strip.
+    fn height(&self, strip: usize) -> usize {
+        LANES / self.run(strip * self.rows).count.max(1)
     }
 
     /// Whole runs that fill a tile.
@@ -131,19 +142,25 @@ mod tests {
             [[512, 512], [64, 64], [1, 1], [1, 700], [700, 1], [17, 33], [100, 30], [15, 40], [0, 0]]
         {
             let cut = Cut::of(facets);
-            let mut seen = vec![0; facets[0] * facets[1]];
-            for tile in cut.tiles() {
-                let runs: Vec<Run> = tile.collect();
-                assert!(runs.iter().map(|run| run.count).sum::<usize>() <= LANES, "{facets:?}");
-                runs.iter()
-                    .for_each(|run| seen[run.first..run.first + run.count].iter_mut().for_each(|n| *n += 1));
+            for across in [false, true] {
+                let mut seen = vec![0; facets[0] * facets[1]];
+                for tile in cut.tiles(across) {
+                    let runs: Vec<Run> = tile.collect();
+                    assert!(runs.iter().map(|run| run.count).sum::<usize>() <= LANES, "{facets:?}");
+                    for run in runs {
+                        seen[run.first..run.first + run.count].iter_mut().for_each(|n| *n += 1);
+                    }
+                }
+                assert!(seen.iter().all(|n| *n == 1), "{facets:?}");
             }
-            assert!(seen.iter().all(|n| *n == 1), "{facets:?}");
         }
         // Squares, where the patch has room for them.
-        let first: Vec<Run> = Cut::of([512, 512]).tiles().next().unwrap().collect();
+        let first: Vec<Run> = Cut::of([512, 512]).tiles(false).next().unwrap().collect();
         assert_eq!((first.len(), first[1]), (16, Run { first: 512, count: 16 }));
-        assert_eq!(Cut::of([512, 512]).tiles().count(), 1024);
+        assert_eq!(Cut::of([512, 512]).tiles(false).count(), 1024);
+        // The next tile is that to the North, or that to the East.
+        let second = |across: bool| Cut::of([512, 512]).tiles(across).nth(1).unwrap().next().unwrap().first;
+        assert_eq!([second(false), second(true)], [16 * 512, 16]);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::paths::{PathGenerator, Workspace};
 use crate::pipeline::joined::{Echo, Joined, Span, channel_starts};
 use crate::pulse::Pulse;
 use crate::pulse::costs::Stage;
-use crate::radar::waveform::{Waveform, WaveformError};
+use crate::radar::waveform::{Frequencies, Waveform, WaveformError};
 use crate::scene::radar::Radar;
 
 /// What is radiated by a train of which no two emissions are alike, and who receives it.
@@ -50,6 +50,8 @@ pub(super) struct JointWork {
     /// What is radiated by emissions in a row, from one on.
     radiated: (u64, Vec<Arc<dyn Waveform>>),
     replicas: Vec<Vec<Complex64>>,
+    /// Mean Doppler of the pairs in the block at hand, Hz, and what its spectra are read at.
+    read_at: Option<(Vec<f64>, Vec<Frequencies>)>,
 }
 
 impl JointWork {
@@ -60,12 +62,13 @@ impl JointWork {
             gridded: 0..0,
             radiated: (0, Vec::new()),
             replicas: Vec::new(),
+            read_at: None,
         }
     }
 
     /// Begins another block, whose grids are those of these emissions.
     pub fn begin(&mut self, gridded: Range<u64>) {
-        self.echoes.clear();
+        self.joined.keep(&mut self.echoes, &(0..0));
         self.radiated.1.clear();
         self.gridded = gridded;
     }
@@ -107,21 +110,23 @@ impl BlockEcho {
         let emissions = received.of_pulses().get((index - made.start) as usize).cloned().unwrap_or(0..0);
         let (starts_s, windows) = (pulse.window_starts_s(), generator.pair_windows());
         let (channels, out_len) = (generator.channel_pairs().len(), joint.out_len());
-        let JointWork { joined, echoes, gridded, radiated: known, replicas } = &mut **own;
+        let JointWork { joined, echoes, gridded, radiated: known, replicas, read_at } = &mut **own;
+        read_at.take_if(|(mean_hz, _)| mean_hz != frame.mean_hz());
+        let (mean_hz, frequencies) = read_at
+            .get_or_insert_with(|| (frame.mean_hz().to_vec(), self.synth.frequencies(frame.mean_hz())));
         joined.clear(channels);
-        echoes.retain(|echo| emissions.contains(&echo.emission));
+        joined.keep(echoes, &emissions);
         for emitted in emissions {
             let offset_s = generator.offset_s(index, emitted);
             let of_channels = channel_starts(starts_s, &windows, generator.channel_pairs());
-            joined.take(echoes, (emitted, offset_s), of_channels, || {
+            joined.take(echoes, (emitted, offset_s), of_channels, |bins| {
                 let [number, end] = [emitted, gridded.end].map(|of| generator.number_of(of));
                 if let Some(waveform) = radiated(known, joint.waveform.as_ref(), number, end)? {
-                    self.synth.replicas_of(waveform, frame.mean_hz(), replicas);
+                    self.synth.replicas_at(waveform, (mean_hz, frequencies), replicas);
                 }
-                let mut bins = vec![Complex64::ZERO; channels * self.synth.fft_len()];
                 let of = (&*frame, (emitted - gridded.start) as usize);
-                self.synth.spectrum_by(replicas, of, grids, scratch, &mut bins);
-                Ok::<_, WaveformError>(bins)
+                self.synth.spectrum_by(replicas, of, grids, scratch, bins);
+                Ok::<_, WaveformError>(())
             })?;
         }
         for (channel, out) in spectrum.chunks_exact_mut(out_len).enumerate() {

@@ -370,11 +370,12 @@ impl BlockEcho {
         let emissions = received.emissions();
         parts.clear();
         let mut at = emissions.start;
+        let count = emissions.end - emissions.start;
+        let longest = count.div_ceil(count.div_ceil(self.part).max(1)).max(1);
         while at < emissions.end {
             let mut part = generator.unbroken(emissions.clone(), at);
             if generator.is_apart() {
-                part.end = part.end.min((at / self.part + 1) * self.part);
-                part.start = at;
+                part = at..part.end.min(at + longest);
             }
             at = part.end;
             // Of others few may be received.

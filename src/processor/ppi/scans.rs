@@ -2,7 +2,8 @@
 //!
 //! A **turn** ends where the antenna has come round once since the first pulse. A **sweep** ends where it
 //! turns back: at the farthest reading before it comes back by a quarter of the sector. A sweep of less than
-//! that at the ends of a recording is not counted.
+//! that at the ends of a recording is not counted. A beam that jumps **comes back**: to the side of its first
+//! reading from the other side of the sector.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -20,9 +21,14 @@ pub enum Motion {
         /// From end to end, rad.
         width_rad: f64,
     },
+    /// It jumps from direction to direction.
+    Steps {
+        /// From the first to the last direction, rad.
+        width_rad: f64,
+    },
 }
 
-/// A turn, or a sweep of a sector.
+/// A turn, a sweep of a sector, or a row of directions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scan {
     /// Places of its pulses.
@@ -48,7 +54,27 @@ pub fn scans(motion: Motion, readings_rad: &[f64], times_s: &[f64], tolerance_ra
         _ if count == 0 => Vec::new(),
         Motion::Rotation { rate_rad_per_s } => turns(rate_rad_per_s, readings_rad, times_s, tolerance_rad),
         Motion::Sector { width_rad } => sweeps(width_rad, readings_rad, tolerance_rad),
+        Motion::Steps { width_rad } => rows(width_rad, readings_rad),
     }
+}
+
+fn rows(width_rad: f64, readings_rad: &[f64]) -> Vec<Scan> {
+    let (mut begins, mut is_far) = (vec![0], false);
+    for (place, reading) in readings_rad.iter().enumerate() {
+        let off = wrapped(reading - readings_rad[0]).abs();
+        if is_far && off < 0.25 * width_rad {
+            begins.push(place);
+        }
+        is_far = off > 0.5 * width_rad || (is_far && off >= 0.25 * width_rad);
+    }
+    let whole = begins.windows(2).map(|pair| pair[1] - pair[0]).max();
+    begins.push(readings_rad.len());
+    let row = |pair: &[usize]| {
+        let span_rad = wrapped(readings_rad[pair[1] - 1] - readings_rad[pair[0]]);
+        let is_whole = whole.is_none_or(|pulses| pair[1] - pair[0] >= pulses);
+        Scan { pulses: pair[0]..pair[1], is_whole, is_clockwise: span_rad >= 0.0 }
+    };
+    begins.windows(2).map(row).collect()
 }
 
 fn turns(rate_rad_per_s: f64, readings_rad: &[f64], times_s: &[f64], tolerance_rad: f64) -> Vec<Scan> {
@@ -130,6 +156,19 @@ mod tests {
         let times: Vec<f64> = (0..count).map(|i| i as f64 * step_s).collect();
         let read = |t: &f64| (direction(law, *t)[0] / quantum).round() * quantum;
         (times.iter().map(|t| read(t).rem_euclid(TAU)).collect(), times)
+    }
+
+    #[test]
+    fn a_beam_that_jumps_comes_back_to_its_first_direction() {
+        let law = ScanLaw::Steps {
+            directions_rad: (0..7).map(|n| [f64::from(n) * 0.1 - 0.3, 0.0]).collect(),
+            dwell_pulses: 5,
+            dwell_s: 0.05,
+        };
+        let (readings, times) = readings(&law, 90, 0.01);
+        let found = scans(Motion::Steps { width_rad: 0.6 }, &readings, &times, 0.0);
+        let row = |pulses: Range<usize>, is_whole| Scan { pulses, is_whole, is_clockwise: true };
+        assert_eq!(found, [row(0..35, true), row(35..70, true), row(70..90, false)]);
     }
 
     #[test]

@@ -58,7 +58,6 @@ impl Plan {
 
     /// The sum of `count` samples that `of` gives by `n + count/2`.
     pub fn gridded(&self, count: usize, of: impl Fn(usize) -> Complex64) -> Gridded {
-        let half = WIDTH as isize;
         let mut values = vec![Complex64::ZERO; self.cells];
         let middle = (count / 2) as isize;
         for j in 0..count {
@@ -68,9 +67,12 @@ impl Plan {
         }
         self.forward.process(&mut values);
         // With the edges that an interpolation reaches.
-        let edges = -half..self.cells as isize + half + (LANES - WIDTH) as isize;
-        let (re, im) =
-            edges.map(|m| values[m.rem_euclid(self.cells as isize) as usize]).map(|v| (v.re, v.im)).unzip();
+        let (before, after) = (&values[self.cells - WIDTH..], &values[..LANES]);
+        let all = || before.iter().chain(&values).chain(after);
+        let (mut re, mut im) =
+            (Vec::with_capacity(self.cells + WIDTH + LANES), Vec::with_capacity(self.cells + WIDTH + LANES));
+        all().for_each(|value| re.push(value.re));
+        all().for_each(|value| im.push(value.im));
         Gridded { cells: self.cells, re, im }
     }
 }
@@ -87,11 +89,13 @@ impl Gridded {
     /// `S(y)`.
     #[inline(always)]
     pub fn at(&self, y: f64) -> Complex64 {
-        let place = (y - y.floor()) * self.cells as f64;
-        let cell = place.floor();
-        let weights = weights(place - cell);
-        // Cell 0 stands at WIDTH, the first tap WIDTH/2 - 1 before it.
-        let first = cell as usize + WIDTH - (WIDTH / 2 - 1);
+        let (first, weights) = taps(y, self.cells);
+        self.sum(first, &weights)
+    }
+
+    /// The sum over some taps.
+    #[inline(always)]
+    fn sum(&self, first: usize, weights: &[f64; LANES]) -> Complex64 {
         let taps = first..first + LANES;
         let (Some(re), Some(im)) = (self.re.get(taps.clone()), self.im.get(taps)) else {
             return Complex64::ZERO;
@@ -106,6 +110,64 @@ impl Gridded {
         let [re, im] = sums;
         Complex64::new((re[0] + re[1]) + (re[2] + re[3]), (im[0] + im[1]) + (im[2] + im[3]))
     }
+}
+
+/// Where the transform of samples is read, once for all that have as many cells.
+#[derive(Debug)]
+pub(super) struct Places {
+    cells: usize,
+    first: Vec<usize>,
+    /// Rounded: 6e-8 of the sum, in half the memory.
+    weights: Vec<[f32; LANES]>,
+}
+
+impl Places {
+    /// For such sums at `y`, cycles a sample.
+    pub fn new(of: &Gridded, y: impl Iterator<Item = f64>) -> Self {
+        let rounded = |(first, weights): (usize, [f64; LANES])| (first, weights.map(|weight| weight as f32));
+        let (first, weights) = y.map(|y| rounded(taps(y, of.cells))).unzip();
+        Self { cells: of.cells, first, weights }
+    }
+
+    /// Whether it is for such sums.
+    pub fn are_of(&self, sum: &Gridded) -> bool {
+        self.cells == sum.cells
+    }
+
+    /// `S` at the places, one after the other, each times its factor.
+    #[inline(always)]
+    pub fn read(&self, sum: &Gridded, factors: &[Complex64], out: &mut [Complex64]) {
+        let Self { first, weights, .. } = self;
+        for (((out, factor), first), weights) in out.iter_mut().zip(factors).zip(first).zip(weights) {
+            let taps = *first..*first + LANES;
+            let (Some(re), Some(im)) = (sum.re.get(taps.clone()), sum.im.get(taps)) else {
+                *out = Complex64::ZERO;
+                continue;
+            };
+            *out = Complex64::new(dot(re, weights), dot(im, weights)) * factor;
+        }
+    }
+}
+
+/// Halves are added to halves: whole registers.
+#[inline(always)]
+fn dot(values: &[f64], weights: &[f32; LANES]) -> f64 {
+    let mut sums = [0.0; 4];
+    for part in 0..LANES / 4 {
+        for lane in 0..4 {
+            sums[lane] += f64::from(weights[4 * part + lane]) * values[4 * part + lane];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
+}
+
+/// First tap of `S(y)` over so many cells, and the weights of all.
+#[inline(always)]
+fn taps(y: f64, cells: usize) -> (usize, [f64; LANES]) {
+    let place = (y - y.floor()) * cells as f64;
+    let cell = place.floor();
+    // Cell 0 stands at WIDTH, the first tap WIDTH/2 - 1 before it.
+    (cell as usize + WIDTH - (WIDTH / 2 - 1), weights(place - cell))
 }
 
 /// The kernel at the cells about a place that lies `t` beyond a cell, by cubics through its table.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
+use super::frequencies::Frequencies;
 use super::{InTurn, Waveform, WaveformError, by_differences};
 use crate::scene::radar::Band;
 
@@ -67,6 +68,10 @@ impl Waveform for Offset {
             shifted_hz.iter_mut().zip(f_hz).for_each(|(shifted, f_hz)| *shifted = f_hz - self.offset_hz);
             self.waveform.spectra(shifted_hz, out);
         }
+    }
+
+    fn spectra_at(&self, at: &mut Frequencies, out: &mut [Complex64]) {
+        self.waveform.spectra_at(at.less(self.offset_hz), out);
     }
 
     fn moment_spectrum(&self, f_hz: f64) -> Complex64 {

@@ -16,6 +16,7 @@ use std::sync::{Arc, OnceLock};
 
 use num_complex::Complex64;
 
+use super::frequencies::Frequencies;
 use super::gridded::{Gridded, Plan};
 use super::shaping::{REACH, kernel, response};
 use super::{Waveform, WaveformError};
@@ -206,6 +207,10 @@ impl Waveform for Segment {
 
     fn spectra(&self, f_hz: &[f64], out: &mut [Complex64]) {
         Variant::fastest().run(Spectra { segment: self, f_hz, out });
+    }
+
+    fn spectra_at(&self, at: &mut Frequencies, out: &mut [Complex64]) {
+        at.read((&self.sum, self.rate_hz, self.middle()), out);
     }
 
     fn sample(&self, t_s: f64) -> Complex64 {

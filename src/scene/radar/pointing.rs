@@ -30,6 +30,16 @@ pub enum Pointing {
     Scan(Scan),
 }
 
+impl Pointing {
+    /// Pulses after which it jumps to another direction, counted from pulse 0; `None` where it never does.
+    pub fn dwell_pulses(&self) -> Option<u64> {
+        match self {
+            Self::Scan(Scan { law, .. }) => law.dwell_pulses(),
+            Self::Fixed { .. } | Self::At { .. } => None,
+        }
+    }
+}
+
 /// What a pointing is steered by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steering<'a> {
@@ -56,7 +66,7 @@ impl Pointing {
     }
 }
 
-/// A scanning pedestal: azimuth clockwise seen from above, elevation upward.
+/// A scanning pedestal, or a beam that jumps: azimuth clockwise seen from above, elevation upward.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
     /// Where it points when.
@@ -93,6 +103,26 @@ pub enum ScanLaw {
         /// Elevations of sweeps in turn, rad.
         elevations_rad: Vec<f64>,
     },
+    /// Stays in one direction for some pulses, then jumps to the next: a beam that is steered
+    /// electronically. Echoes are received through the beam that was set when their pulse left.
+    Steps {
+        /// Azimuth and elevation of the directions in turn, rad; the first at pulse 0.
+        directions_rad: Vec<[f64; 2]>,
+        /// Pulses in each.
+        dwell_pulses: u64,
+        /// Time in each, s: that of so many intervals of the radar.
+        dwell_s: f64,
+    },
+}
+
+impl ScanLaw {
+    /// Pulses after which the direction jumps, counted from pulse 0; `None` of laws that do not.
+    pub fn dwell_pulses(&self) -> Option<u64> {
+        match self {
+            Self::Steps { dwell_pulses, .. } => Some(*dwell_pulses),
+            Self::Rotation { .. } | Self::Sector { .. } => None,
+        }
+    }
 }
 
 /// Errors of the encoder of a pedestal.
