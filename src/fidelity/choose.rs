@@ -25,7 +25,7 @@ use crate::radar::waveform::Waveform;
 use crate::scene::Scene;
 
 /// Spacings of the nodes, units of pulses.
-const NODE_PULSES: [u64; 9] = [21, 16, 12, 9, 7, 5, 4, 3, 2];
+const NODE_PULSES: [u64; 14] = [21, 18, 16, 14, 12, 10, 9, 8, 7, 6, 5, 4, 3, 2];
 /// Units from gain epoch to gain epoch.
 const GAIN_PULSES: [u64; 9] = [12, 10, 8, 6, 5, 4, 3, 2, 1];
 /// Units from node to node of the panels of ships.
@@ -246,7 +246,8 @@ mod tests {
     fn steps_are_whole_units_and_closer_ones_single_pulses() {
         assert_eq!(in_units(&NODE_PULSES, 1, 2), NODE_PULSES);
         assert_eq!(in_units(&GAIN_PULSES, 1, 1), GAIN_PULSES);
-        assert_eq!(in_units(&NODE_PULSES, 4, 2), [84, 64, 48, 36, 28, 20, 16, 12, 8, 7, 5, 4, 3, 2]);
+        let steps = [84, 72, 64, 56, 48, 40, 36, 32, 28, 24, 20, 16, 12, 8, 7, 6, 5, 4, 3, 2];
+        assert_eq!(in_units(&NODE_PULSES, 4, 2), steps);
         assert_eq!(in_units(&[3, 2, 1], 4, 1), [12, 8, 4, 1]);
     }
 }

@@ -183,10 +183,11 @@ pub(super) fn segment_apart(
     waveform: &dyn Waveform,
 ) -> u64 {
     let own = plan.map_or(1, |plan| plan.chosen.block_pulses(generator.hold_pulses())) as f64;
-    // Emissions of a pulse, and those that its window receives beside these: all of a segment share nodes.
+    // Emissions of a pulse, and those that its window receives beside these: where they are few, all of a
+    // segment share nodes.
     let each = generator.mean_pulse_interval_s() / generator.mean_pri_s();
-    let beside = generator.emissions_received() as f64 - each.floor();
-    let most = ((own - beside.max(0.0)) / each) as u64;
+    let beside = (generator.emissions_received() as f64 - each.floor()).max(0.0);
+    let most = if beside < 0.25 * own { (own - beside) / each } else { own / each } as u64;
     let grids = most_pulses(scene, generator, waveform);
     let room = if waveform.is_stream() { (grids as f64 / each) as u64 } else { grids };
     most.min(room).max(1)

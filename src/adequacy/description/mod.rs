@@ -7,6 +7,8 @@ pub mod sea;
 pub mod ships;
 mod targets;
 
+use std::f64::consts::LN_10;
+
 use serde::Serialize;
 
 use crate::config::Run;
@@ -17,7 +19,7 @@ use crate::radar::front_end::imbalance;
 use crate::radar::rain::{Attenuation, fall_mps, volume_reflectivity_per_m};
 use crate::radar::receiver::thermal_noise_w;
 use crate::scene::Scene;
-use crate::scene::front_end::{FrontEnd, Jitter, Stc};
+use crate::scene::front_end::{Agc, FrontEnd, Instability, Jitter, Stc};
 use crate::scene::radar::{Aim, RainClutter};
 use crate::units::{Decibels, neat};
 
@@ -133,7 +135,8 @@ pub fn models(run: &Run) -> Models {
 /// What is wrong between echo and converter.
 fn front_end(of: &FrontEnd, with: &mut Vec<Described>, without: &mut Vec<Described>) {
     if of.is_ideal() {
-        let why = "no [radar.front_end]: I and Q alike, no offset, gain control, blanking and jitter";
+        let why =
+            "no [radar.front_end]: I and Q alike, no offset, gain control, blanking, instability and jitter";
         without.push(described("front end errors", why));
         return;
     }
@@ -154,6 +157,21 @@ fn front_end(of: &FrontEnd, with: &mut Vec<Described>, without: &mut Vec<Describ
     }
     if let Some(after_s) = of.blanked_s {
         parts.push(format!("blanked during pulses and {} us after", neat(after_s * 1e6)));
+    }
+    if let Some(Agc { level_w, attack_s, release_s, depth_db }) = of.agc {
+        let [attack_us, release_us] = [attack_s, release_s].map(|s| neat(s * 1e6));
+        parts.push(format!(
+            "gain control above {:.1} dBW, attack {attack_us} us, release {release_us} us, {depth_db} dB at most",
+            10.0 * level_w.log10()
+        ));
+    }
+    if let Some(Instability { level_db, phase_rad }) = of.instability {
+        let power = (level_db * LN_10 / 20.0).powi(2) + phase_rad.powi(2);
+        let cancelled_db = 10.0 * (2.0 * power).log10();
+        parts.push(format!(
+            "transmitters unstable by {level_db} dB and {} deg rms: two pulses cancel to {cancelled_db:.1} dB",
+            neat(phase_rad.to_degrees())
+        ));
     }
     if let Some(Jitter { rms_s, intermediate_hz }) = of.jitter {
         let met = if intermediate_hz > 0.0 { format!(" at {intermediate_hz:e} Hz") } else { String::new() };

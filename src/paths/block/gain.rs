@@ -111,6 +111,17 @@ impl Sight {
         self.shape.weigh(antenna, variant, count, direction, out);
     }
 
+    /// A direction from the antenna in its frame; its longer side, wavelengths, where the pattern is one of a
+    /// rectangle or has no lobes.
+    pub fn lobes_towards(&self, direction: DVec3) -> Option<(DVec3, f64)> {
+        let side = match self.shape {
+            Shape::Constant(_) => 0.0,
+            Shape::Rectangle { sides: [a, b], .. } | Shape::Tapered { sides: [a, b], .. } => a.max(b),
+            Shape::Other => return None,
+        };
+        Some((self.turn * direction, side.into()))
+    }
+
     /// Real field gain in a direction from the antenna, within 1e-6 of the peak.
     pub fn gain(&self, antenna: &Antenna, direction: DVec3) -> f64 {
         let d = self.turn * direction;

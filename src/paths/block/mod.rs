@@ -100,9 +100,9 @@ use travelling::Part;
 use turning::Turning;
 
 /// Tiles of a patch of so many facets that are evaluated to learn what a block returns: one in five, as far
-/// as that is from 8 to 48.
+/// as that is from 8 to 24.
 pub fn sampled_tiles(facets: usize) -> usize {
-    (facets / (5 * LANES)).clamp(8, 48)
+    (facets / (5 * LANES)).clamp(8, 24)
 }
 
 /// What is found as the reference finds it.

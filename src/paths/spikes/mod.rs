@@ -42,6 +42,7 @@ fn between(patch: &Patch, [x, y]: [f64; 2], weight: impl Fn(usize) -> f64) -> f6
 }
 
 /// A breaker at an instant.
+#[derive(Clone, Copy)]
 struct Moves {
     at_m: [f64; 2],
     position: Point<Enu>,

@@ -2,7 +2,9 @@
 //!
 //! A breaker runs straight on, so that delay and matrix are as smooth as the flight of the antennas: both are
 //! cubics through the nodes. Gains, the breaker's envelope and its visibility are found at every pulse and
-//! multiply the amplitude. A stretch is left to be made shorter, or exactly, where
+//! multiply the amplitude; gains at three, where directions turn by less than `LOBE_SHARE` of a lobe: a
+//! parabola leaves some 1e-6 of the peak. A stretch is left to be made shorter, or
+//! exactly, where
 //!
 //! - a direction turns by more than `TURN_RAD`, or by a tenth of what it is off the vertical, where H and V
 //!   turn with it: matrices are cubics within 1e-4 then;
@@ -37,6 +39,10 @@ use crate::units::SPEED_OF_LIGHT_MPS;
 
 /// What a direction may turn in a stretch, rad.
 const TURN_RAD: f64 = 0.03;
+/// What directions may turn for gains to be a parabola, of a wavelength over the aperture.
+const LOBE_SHARE: f64 = 0.025;
+/// Pulses of which gains are worth a parabola.
+const MANY_PULSES: usize = 12;
 /// What the axes of a receiver may turn while echoes of the patch arrive, rad.
 const STEADY_RAD: f64 = 3e-7;
 /// What a cubic may leave of the carrier's phase, rad.
@@ -51,12 +57,22 @@ pub(in crate::paths) struct Buffers {
     pub(in crate::paths) slow: SlowTime,
     /// Of a wave at every pulse.
     envelope: Vec<f64>,
+    few: Few,
     /// Transmitter and receiver, `[pulse][pair]`.
     sights: Vec<[Sight; 2]>,
     /// As many: how receivers turn.
     turns: Vec<Option<Turn>>,
     /// Of every node; none where everything is received.
     pub(in crate::paths) windows: Vec<Vec<Window>>,
+}
+
+/// Gains at three pulses of a stretch in place of all.
+#[derive(Clone, Default)]
+struct Few {
+    /// Weights of the three at every pulse; empty where a stretch is short.
+    weights: Vec<[f64; 3]>,
+    /// Of each pair towards a breaker; `None` where three are not enough.
+    gains: Vec<Option<[f64; 3]>>,
 }
 
 /// How an antenna turns that receives echoes from one end of a patch otherwise than those from the other.
@@ -149,7 +165,7 @@ impl PathGenerator {
             return Ok(false);
         }
         let Workspace {
-            stretch: Buffers { emissions, elapsed_s, slow, envelope, sights, turns, windows },
+            stretch: Buffers { emissions, elapsed_s, slow, envelope, few, sights, turns, windows },
             amplitude,
             ..
         } = workspace;
@@ -182,7 +198,7 @@ impl PathGenerator {
             slopes: Slopes::through(stretch.nodes, slow),
         };
         envelope.resize(count, 0.0);
-        made.all(breaking, nodes, (amplitude, envelope), factors)
+        made.all(breaking, nodes, (amplitude, envelope, few), factors)
             .map_err(|failure| self.sea_error(first, WakeError::from(failure).into()))
     }
 
@@ -256,7 +272,7 @@ impl Making<'_> {
         &self,
         breaking: &BreakingPlan,
         nodes: &mut [ScattererPaths],
-        (amplitude, envelope): (&mut [Complex64], &mut [f64]),
+        (amplitude, envelope, few): (&mut [Complex64], &mut [f64], &mut Few),
         factors: &mut Vec<f64>,
     ) -> Result<bool, crate::sea::surface::SurfaceError> {
         let (pulses, pairs) = (self.stretch.pulses.len(), self.of.plans.len());
@@ -267,6 +283,10 @@ impl Making<'_> {
         let (mut smooth, mut number) = (true, 0);
         // Scatterers of a wave come one after another and have one envelope.
         let mut last = [f64::NAN; 2];
+        few.weights.clear();
+        if pulses >= MANY_PULSES {
+            self.weigh_few(&mut few.weights);
+        }
         breaking.each(self.stretch.patch, lasts_s, |riding| {
             smooth = smooth && self.at_nodes(riding, nodes, amplitude);
             if smooth {
@@ -277,11 +297,15 @@ impl Making<'_> {
                         *envelope = riding.breaker.envelope(elapsed_s);
                     }
                 }
+                few.gains.clear();
+                if !few.weights.is_empty() {
+                    few.gains.extend((0..pairs).map(|pair| self.few_gains(riding, pair)));
+                }
                 for (pulse, &envelope) in envelope.iter().enumerate().filter(|(_, envelope)| **envelope > 0.0)
                 {
                     let from = (pulse * alive + number) * pairs;
                     let factors = &mut factors[from..from + pairs];
-                    self.at_pulse(riding, (pulse, envelope), factors);
+                    self.at_pulse(riding, (pulse, envelope), few, factors);
                 }
             }
             number += 1;
@@ -335,35 +359,68 @@ impl Making<'_> {
         smooth
     }
 
+    /// Weights of the first, the middle and the last pulse in a parabola, at every pulse.
+    fn weigh_few(&self, out: &mut Vec<[f64; 3]>) {
+        let last = self.elapsed_s.len() - 1;
+        let at = [0, last / 2, last].map(|pulse| self.slow.at(pulse));
+        out.extend((0..=last).map(|pulse| {
+            let t = self.slow.at(pulse);
+            [[0, 1, 2], [1, 0, 2], [2, 0, 1]]
+                .map(|[own, a, b]| (t - at[a]) * (t - at[b]) / ((at[own] - at[a]) * (at[own] - at[b])))
+        }));
+    }
+
+    /// Gains of a pair towards a breaker at the first, the middle and the last pulse, where these are enough.
+    fn few_gains(&self, riding: &Riding, pair: usize) -> Option<[f64; 3]> {
+        let (pairs, last) = (self.of.plans.len(), self.elapsed_s.len() - 1);
+        let ends = self.ends(&self.of.plans[pair]);
+        let (mut gains, mut first) = ([1.0; 3], [DVec3::ZERO; 2]);
+        for (n, pulse) in [0, last / 2, last].into_iter().enumerate() {
+            let at = pulse * pairs + pair;
+            if self.turns[at].is_some() {
+                return None;
+            }
+            let place = Moves::of(riding, self.earth(), self.elapsed_s[pulse]).position.raw();
+            for ((sight, end), first) in self.sights[at].iter().zip(ends).zip(&mut first) {
+                let towards = (place - sight.position).normalize_or_zero();
+                let (own, side) = sight.lobes_towards(towards)?;
+                if n == 0 {
+                    *first = own;
+                }
+                // From any to any.
+                if 2.0 * side * own.distance(*first) > LOBE_SHARE || (own.x > 0.0) != (first.x > 0.0) {
+                    return None;
+                }
+                gains[n] *= sight.gain(&self.of.antennas[end], towards);
+            }
+        }
+        Some(gains)
+    }
+
     /// Gains, envelope and visibility of the breaker that was appended last, by pair.
-    fn at_pulse(&self, riding: &Riding, (pulse, envelope): (usize, f64), factors: &mut [f64]) {
+    fn at_pulse(&self, riding: &Riding, (pulse, envelope): (usize, f64), few: &Few, factors: &mut [f64]) {
         let Self { of, stretch, tiles, emissions, .. } = *self;
-        let moves = Moves::of(riding, self.earth(), self.elapsed_s[pulse]);
         let patch = stretch.patch;
+        let mut known = None;
         for ((pair, plan), factor) in of.plans.iter().enumerate().zip(factors) {
-            // Light time moves breakers by centimetres at most.
-            let at = pulse * of.plans.len() + pair;
-            let ([tx, rx], place) = (&self.sights[at], moves.position.raw());
-            let turned = self.turns[at].map(|turn| {
-                let way_m = place.distance(tx.position) + place.distance(rx.position);
-                rx.later(turn.change_per_s, way_m / SPEED_OF_LIGHT_MPS - turn.delay_s)
-            });
-            let rx = turned.as_ref().unwrap_or(rx);
             let ends = self.ends(plan);
-            let gain = |sight: &Sight, end: usize| {
-                sight.gain(&of.antennas[end], (place - sight.position).normalize_or_zero())
+            let mut moves =
+                || *known.get_or_insert_with(|| Moves::of(riding, self.earth(), self.elapsed_s[pulse]));
+            let three = few.weights.get(pulse).zip(few.gains.get(pair).and_then(Option::as_ref));
+            let gains = match three {
+                Some((weights, gains)) => weights.iter().zip(gains).map(|(weight, gain)| weight * gain).sum(),
+                None => self.gains(&moves(), pulse, pair, ends),
             };
-            let gains = gain(tx, ends[0]) * gain(rx, ends[1]);
             if gains == 0.0 {
                 continue;
             }
-            let seen = |end: usize| {
+            let mut seen = |end: usize| {
                 let pulse = stretch.pulses.start + pulse;
                 let seen = tiles.seen_from(end, pulse);
                 if seen.is_whole() {
                     return 1.0;
                 }
-                between(patch, moves.at_m, |facet| seen.of(facet))
+                between(patch, moves().at_m, |facet| seen.of(facet))
             };
             let of_tx = seen(ends[0]);
             // Antennas at one place see the same.
@@ -371,5 +428,21 @@ impl Making<'_> {
             let of_rx = if tx == rx { of_tx } else { seen(ends[1]) };
             *factor = envelope * gains * of_tx * of_rx;
         }
+    }
+
+    /// Gains of a pair towards a breaker at a pulse.
+    fn gains(&self, moves: &Moves, pulse: usize, pair: usize, ends: [usize; 2]) -> f64 {
+        // Light time moves breakers by centimetres at most.
+        let at = pulse * self.of.plans.len() + pair;
+        let ([tx, rx], place) = (&self.sights[at], moves.position.raw());
+        let turned = self.turns[at].map(|turn| {
+            let way_m = place.distance(tx.position) + place.distance(rx.position);
+            rx.later(turn.change_per_s, way_m / SPEED_OF_LIGHT_MPS - turn.delay_s)
+        });
+        let rx = turned.as_ref().unwrap_or(rx);
+        let gain = |sight: &Sight, end: usize| {
+            sight.gain(&self.of.antennas[end], (place - sight.position).normalize_or_zero())
+        };
+        gain(tx, ends[0]) * gain(rx, ends[1])
     }
 }

@@ -56,25 +56,38 @@ impl Plan {
         Self { cells, inverse, forward: nereus_fft::forward(cells) }
     }
 
+    /// Memory that several sums may be made in.
+    pub fn room(&self) -> Room {
+        let of = |len: usize| vec![Complex64::ZERO; len];
+        Room { values: of(self.cells), scratch: of(self.forward.get_inplace_scratch_len()) }
+    }
+
     /// The sum of `count` samples that `of` gives by `n + count/2`.
-    pub fn gridded(&self, count: usize, of: impl Fn(usize) -> Complex64) -> Gridded {
-        let mut values = vec![Complex64::ZERO; self.cells];
+    pub fn gridded(&self, count: usize, of: impl Fn(usize) -> Complex64, room: &mut Room) -> Gridded {
+        let Room { values, scratch } = room;
+        values.fill(Complex64::ZERO);
         let middle = (count / 2) as isize;
         for j in 0..count {
             let n = j as isize - middle;
             let scale = self.inverse.get(n.unsigned_abs()).copied().unwrap_or(0.0);
             values[n.rem_euclid(self.cells as isize) as usize] = of(j) * scale;
         }
-        self.forward.process(&mut values);
+        self.forward.process_with_scratch(values, scratch);
         // With the edges that an interpolation reaches.
         let (before, after) = (&values[self.cells - WIDTH..], &values[..LANES]);
-        let all = || before.iter().chain(&values).chain(after);
+        let all = || before.iter().chain(values.iter()).chain(after);
         let (mut re, mut im) =
             (Vec::with_capacity(self.cells + WIDTH + LANES), Vec::with_capacity(self.cells + WIDTH + LANES));
         all().for_each(|value| re.push(value.re));
         all().for_each(|value| im.push(value.im));
         Gridded { cells: self.cells, re, im }
     }
+}
+
+/// Memory of a transform.
+pub(super) struct Room {
+    values: Vec<Complex64>,
+    scratch: Vec<Complex64>,
 }
 
 /// The transform of some samples, read between its cells.
@@ -222,7 +235,8 @@ mod tests {
         for count in [1usize, 2, 63, 500] {
             let samples: Vec<Complex64> =
                 (0..count).map(|j| phasor((j * j) as f64 * 0.137) * (1.0 + 0.3 * (j as f64).sin())).collect();
-            let gridded = Plan::new(count + 1).gridded(count, |j| samples[j]);
+            let plan = Plan::new(count + 1);
+            let gridded = plan.gridded(count, |j| samples[j], &mut plan.room());
             let (mut off, mut all) = (0.0, 0.0);
             for i in 0..997 {
                 let y = f64::from(i) * 0.00317 - 1.3;

@@ -17,7 +17,7 @@ use std::sync::{Arc, OnceLock};
 use num_complex::Complex64;
 
 use super::frequencies::Frequencies;
-use super::gridded::{Gridded, Plan};
+use super::gridded::{Gridded, Plan, Room};
 use super::shaping::{REACH, kernel, response};
 use super::{Waveform, WaveformError};
 use crate::cpu::{Task, Variant};
@@ -126,17 +126,17 @@ fn segment(
     let ((from, late), (to, _)) = (bound(interval, k), bound(interval, k.wrapping_add(1)));
     let mut samples = vec![Complex64::ZERO; to.wrapping_sub(from) as usize];
     signal.fill(from, &mut samples)?;
-    Ok(segment_of(signal, plan, duration_s, late, samples))
+    Ok(segment_of(signal, (plan, &mut plan.room()), duration_s, late, samples))
 }
 
 fn segment_of(
     signal: &Arc<dyn Signal>,
-    plan: &Plan,
+    (plan, room): (&Plan, &mut Room),
     duration_s: f64,
     late: f64,
     samples: Vec<Complex64>,
 ) -> Segment {
-    let sum = plan.gridded(samples.len(), |j| samples[j]);
+    let sum = plan.gridded(samples.len(), |j| samples[j], room);
     Segment {
         name: signal.name().to_owned(),
         rate_hz: signal.rate_hz(),
@@ -229,7 +229,8 @@ impl Waveform for Segment {
         }
         let by_number = self.moment.get_or_init(|| {
             let middle = (self.samples.len() / 2) as f64;
-            self.plan.gridded(self.samples.len(), |j| self.samples[j] * (j as f64 - middle))
+            let of = |j: usize| self.samples[j] * (j as f64 - middle);
+            self.plan.gridded(self.samples.len(), of, &mut self.plan.room())
         });
         let sum = self.sum.at(v);
         let off = self.middle() - 0.5 * self.duration_s * self.rate_hz;
@@ -285,10 +286,11 @@ impl Waveform for Stream {
         let [Some((from, _)), Some((to, _))] = [bounds.first(), bounds.last()] else { return Ok(Vec::new()) };
         let mut samples = vec![Complex64::ZERO; to.wrapping_sub(*from) as usize];
         signal.fill(*from, &mut samples)?;
+        let mut room = plan.room();
         let cut = |of: &[(u64, f64)]| {
             let [begin, end] = [of[0].0, of[1].0].map(|sample| sample.wrapping_sub(*from) as usize);
             let own = samples[begin..end].to_vec();
-            Arc::new(segment_of(signal, plan, *duration_s, of[0].1, own)) as Arc<dyn Waveform>
+            Arc::new(segment_of(signal, (plan, &mut room), *duration_s, of[0].1, own)) as Arc<dyn Waveform>
         };
         Ok(bounds.windows(2).map(cut).collect())
     }
