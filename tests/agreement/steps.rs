@@ -9,7 +9,7 @@ use crate::{blocks, runs};
 const ENDS: [&str; 2] = ["transmitter.0.pointing", "receiver.0.pointing"];
 
 fn settings<'a>(pointing: &'a str, more: &[(&'a str, &'a str)]) -> Vec<(&'a str, &'a str)> {
-    let small = [("scene.patch_size_m", "[48, 48]"), ("radar.noise_figure_db", "4.0")];
+    let small = [("scene.patch_size_m", "[48, 48]"), ("stream.pace", "fast")];
     ENDS.map(|end| (end, pointing)).into_iter().chain(small).chain(more.iter().copied()).collect()
 }
 
