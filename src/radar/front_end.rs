@@ -12,8 +12,8 @@
 //! 3. **Sensitivity time control.** `s_j <- s_j g`, `g^2 = max((t/T)^n, depth)` for `t < T` after the last
 //!    emission, else 1.
 //! 4. **Automatic gain control** within the window: `s_j <- s_j g_j`, `g_j^2 = min(1, max(P/p_j, depth))`,
-//!    `p_j = p_{j-1} + (|s_j|^2 - p_{j-1}) (1 - e^{-1/(fs T)})`, `p_{-1} = 0`, `T` one time constant where power
-//!    rises, another where it falls.
+//!    `p_j = p_{j-1} + (|s_j|^2 - p_{j-1}) (1 - e^{-1/(fs T)})`, `p_{-1} = 0`, `T` one time constant where
+//!    power rises, another where it falls.
 //! 5. **Imbalance and offset.** `I <- r^{1/2} I + o_I`, `Q <- r^{-1/2} (Q cos phi + I sin phi) + o_Q`, `r`
 //!    the ratio of the amplitudes: `s <- alpha s + beta s* + o`,
 //!
@@ -22,12 +22,13 @@
 //! so the image of a tone lies `|alpha/beta|^2 = (r + 1/r + 2 cos phi)/(r + 1/r - 2 cos phi)` below it.
 //!
 //! **Instability of the transmitter** multiplies the echo of pulse `n` before noise is added, by
-//! `10^{l_n/20} e^{j phi_n}`, both normal: a canceller of two pulses leaves `2 (sigma_a^2 + sigma_phi^2)` of what
-//! stands still, `sigma_a = sigma_l ln(10)/20`.
+//! `10^{l_n/20} e^{j phi_n}`, both normal: a canceller of two pulses leaves `2 (sigma_a^2 + sigma_phi^2)` of
+//! what stands still, `sigma_a = sigma_l ln(10)/20`.
 //!
-//! Numbers of pulse `n` come from the streams (seed, sampling jitter, n) and (seed, transmitter, n) alone. Limits: jitter to first order
-//! (of a relative error `(2 pi f sigma)^2/2`), and white; imbalance that does not depend on frequency; the
-//! gain of the control changes at once; emissions beyond the end of the run blank as others do.
+//! Numbers of pulse `n` come from the streams (seed, sampling jitter, n) and (seed, transmitter, n) alone.
+//! Limits: jitter to first order (of a relative error `(2 pi f sigma)^2/2`), and white; imbalance that does
+//! not depend on frequency; the gain of sensitivity time control changes at once; emissions beyond the end
+//! of the run blank as others do.
 //!
 //! ```
 //! use nereus::radar::front_end::imbalance;
