@@ -35,7 +35,7 @@ use rayon::prelude::*;
 use crate::config::Run;
 use crate::echo::{Asked, Fidelity};
 use crate::fidelity::budget::Plan;
-use crate::fidelity::probe::spread_over;
+use crate::fidelity::probe::{scattered_over, spread_over};
 use crate::pipeline::build::{self, PulseStream};
 use crate::pipeline::changing;
 use crate::pipeline::fault::BuildErrors;
@@ -241,7 +241,10 @@ fn over_the_run(prepared: &Prepared, threads: usize) -> Result<Option<Vec<Vec<f6
     let factory = factory_for(prepared, run, &Fidelity::Fast(asked))?;
     let count = if factory.facets() > 0 { OF_SEA } else { OF_POINTS }.min(run.scene.pulses);
     let cycle = run.scene.radar.cycle();
-    let pulses: Vec<u64> = spread_over(run.scene.pulses, count, cycle).collect();
+    let pulses: Vec<u64> = match factory.generator().scans() {
+        true => scattered_over(run.scene.pulses, count, cycle).collect(),
+        false => spread_over(run.scene.pulses, count, cycle).collect(),
+    };
     let channels = factory.layout().channels;
     match make(&factory, &pulses, threads, &|_| (), |samples| powers(samples, channels)) {
         Ok(powers) => Ok(Some(powers)),

@@ -72,7 +72,7 @@ impl PulseStream {
             (0..self.threads()).map(|_| (factory.slot(), factory.worker())).collect();
         let block = factory.block_pulses();
         let blocks = (self.schedule().count / block).max(1);
-        let consecutive = factory.generator().hold_pulses().is_some();
+        let consecutive = factory.generator().holds_patch();
         let workers = hands.len() as u64;
         let counted = (ROUNDS as u64 * workers).max(1);
         let turns = AtomicU64::new(0);

@@ -139,6 +139,8 @@ pub struct Size {
     update_pulses: Option<f64>,
     /// Pulses for which a patch that follows is held: blocks divide them, and share the updates between them.
     hold_pulses: Option<u64>,
+    /// Whether it is a patch that is held.
+    holds_patch: bool,
     cells: f64,
     /// Twice the samples of a transform, which set the cost of the rest.
     samples: f64,
@@ -178,7 +180,7 @@ impl Size {
         let pairs = generator.pairs().len() as f64;
         let reach =
             radar.window.samples + waveform.span_samples(radar.sample_rate_hz) + 2 * settings.guard_samples;
-        let sampled = generator.sampled(sampled_tiles(generator.facets()));
+        let sampled = generator.sampled(sampled_tiles(generator.facets(), generator.scans()));
         let moments = if settings.doppler.has_moments() { 2.0 } else { 1.0 };
         Self {
             facets: generator.facets() as f64,
@@ -197,6 +199,7 @@ impl Size {
             antennas: (radar.transmitters.len() + radar.receivers.len()) as f64,
             update_pulses: shadow.map(|shadow| shadow.update_s * radar.emissions.mean_prf_hz()),
             hold_pulses: generator.hold_pulses(),
+            holds_patch: generator.holds_patch(),
             cells: reach as f64 * settings.oversampling,
             samples: 2.0 * reach as f64,
             layers: moments,
@@ -275,7 +278,7 @@ impl Size {
         }
         let pulses = block as f64;
         let per_block = |times: f64| facets * times / pulses;
-        let ends = if self.hold_pulses.is_some() { 1.0 } else { 1.5 * update_pulses.unwrap_or(0.0) };
+        let ends = if self.holds_patch { 1.0 } else { 1.5 * update_pulses.unwrap_or(0.0) };
         let updates = update_pulses.map_or(0.0, |update| (pulses - 1.0 + ends) / update.max(1e-9));
         let of_wakes = chosen.wake_epochs.map_or(0.0, |_| chosen.wake_share);
         let of_block = |epochs: usize| (3 * epochs + 1) as f64;

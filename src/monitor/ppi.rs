@@ -130,7 +130,7 @@ impl Ppi {
         let way_deg = match self.radials.motion() {
             Motion::Rotation { .. } => 360.0,
             Motion::Sector { width_rad } => 2.0 * width_rad.to_degrees(),
-            Motion::Steps { .. } => return USUAL_PERIOD_S,
+            Motion::Steps => return USUAL_PERIOD_S,
         };
         way_deg / self.radials.rate_deg_per_s().abs().max(f64::MIN_POSITIVE)
     }

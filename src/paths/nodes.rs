@@ -1,6 +1,8 @@
 //! Pulses of a block: whether they can be made together, their records, and their targets as scatterer paths
 //! that can be interpolated.
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 
 use super::facets::Reception;
@@ -18,6 +20,15 @@ const MOST_DRAWS: u64 = 1 << 18;
 
 /// What cubics leave of a point that turns, over what they leave where they begin elsewhere.
 const TURNING: f64 = 1.5;
+
+/// Longest block for which a dwell is to have a divisor of at least half its length.
+const LONGEST_OF_DWELL: u64 = 64;
+
+/// Whether a dwell has divisors near every length of a block.
+fn divides_well(dwell: u64) -> bool {
+    let near = |length: u64| (length.div_ceil(2)..=length).any(|n| dwell.is_multiple_of(n));
+    (4..=LONGEST_OF_DWELL.min(dwell)).all(near)
+}
 
 impl PathGenerator {
     /// Power of points in the channels of a pair, each by its own share, and the sum of powers and delay
@@ -57,10 +68,22 @@ impl PathGenerator {
         self.window_start_of(window, index)
     }
 
-    /// Pulses for which a patch that follows, else a beam that jumps, stays where it is, from pulse 0 on;
-    /// `None` where it stays for good.
+    /// Pulses that blocks are to divide, from pulse 0 on: those for which a patch that follows stays where it
+    /// is, or else a beam that jumps. `None` where both stay for good, and where blocks that divide a dwell
+    /// would be far shorter than others: these are cut where it ends.
     pub fn hold_pulses(&self) -> Option<u64> {
-        self.hold_pulses.or_else(|| self.dwells.first().copied())
+        self.hold_pulses.or_else(|| self.dwells.first().copied().filter(|dwell| divides_well(*dwell)))
+    }
+
+    /// Whether a patch that follows is held for some pulses.
+    pub fn holds_patch(&self) -> bool {
+        self.hold_pulses.is_some()
+    }
+
+    /// Pulses about one of them in which no beam jumps.
+    pub fn stays(&self, index: u64) -> Range<u64> {
+        let of = |dwell: &u64| index / dwell * dwell..(index / dwell + 1).saturating_mul(*dwell);
+        self.dwells.iter().map(of).fold(0..u64::MAX, |a, b| a.start.max(b.start)..a.end.min(b.end))
     }
 
     /// The patch at a pulse; `None` for a scene without sea.

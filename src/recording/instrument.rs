@@ -13,6 +13,8 @@
 //! # Ok::<(), serde_json::Error>(())
 //! ```
 
+use std::f64::consts::{PI, TAU};
+
 use serde::{Deserialize, Serialize};
 
 use crate::frames::{Body, Vector};
@@ -251,10 +253,14 @@ impl Look {
                         (*rate_rad_per_s, [*from_rad, *to_rad], first)
                     }
                     ScanLaw::Steps { directions_rad, .. } => {
-                        let azimuths = || directions_rad.iter().map(|[azimuth, _]| *azimuth);
-                        let ends = [azimuths().reduce(f64::min), azimuths().reduce(f64::max)];
-                        let first = directions_rad.first().map_or(0.0, |[_, elevation]| *elevation);
-                        (0.0, ends.map(Option::unwrap_or_default), first)
+                        let [begin, first] = directions_rad.first().copied().unwrap_or_default();
+                        let (mut before, mut ends) = (begin, [begin; 2]);
+                        for [azimuth, _] in directions_rad {
+                            // From one to the next the shorter way.
+                            before += (azimuth - before + PI).rem_euclid(TAU) - PI;
+                            ends = [ends[0].min(before), ends[1].max(before)];
+                        }
+                        (0.0, ends, first)
                     }
                 };
                 Self::Scan {

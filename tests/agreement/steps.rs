@@ -52,6 +52,7 @@ fn the_fast_echo_keeps_its_error() {
         (16, "-60", None),
         (150, "-50", None),
         (1, "-60", None),
+        (67, "-60", None),
         (12, "-70", Some("[800.0, 850.0, 900.0]")),
     ]) {
         let pointing = of(dwell);

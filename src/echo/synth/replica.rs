@@ -89,6 +89,11 @@ impl<T: Scalar> Synth<T> {
         self.layers.iter().map(of).collect()
     }
 
+    /// What these may take, bytes.
+    pub fn frequency_bytes(&self) -> u64 {
+        (self.layers.len() * self.bins.len() * Frequencies::BYTES) as u64
+    }
+
     /// As [`Self::replicas_of`] about the same mean Dopplers, of one of many waveforms.
     pub fn replicas_at(
         &self,

@@ -138,7 +138,8 @@ impl ErrorSampler<'_> {
         let none = Probed { channels, share, deviations, of_turning, ..Probed::default() };
         let first = self.block_of(place, node_pulses);
         let Some(patch) = self.generator.patch_of(first)? else { return Ok(none) };
-        let pulses = block_pulses(node_pulses).min(self.pulses - first) as usize;
+        let until = self.generator.stays(self.places[place].first).end.min(self.pulses);
+        let pulses = block_pulses(node_pulses).min(until.saturating_sub(first)) as usize;
         let (nodes, count) = nodes_within(pulses);
         if node_pulses <= 1 || count < 2 || nodes[1] < 2 {
             return Ok(none);

@@ -67,7 +67,7 @@ pub use interpolation_error::{InterpolationError, Probed};
 pub use omitted::Omission;
 use omitted::Omitted;
 use pulses::point_step;
-pub use pulses::{LONGEST, is_coarse, spread_over, unit_of};
+pub use pulses::{LONGEST, is_coarse, scattered_over, spread_over, unit_of};
 pub use sweep::{Sweeps, Swept};
 
 /// Tiles of 256 facets of a sample.
@@ -447,10 +447,13 @@ impl<'a> ErrorSampler<'a> {
         Ok(truths)
     }
 
-    /// First pulse of the block of the run that holds a place, with nodes so many pulses apart.
+    /// First pulse of the block of the run that holds a place, with nodes so many pulses apart: where beams
+    /// jump, one that ends before they do.
     pub fn block_of(&self, place: usize, node_pulses: u64) -> u64 {
-        let length = block_pulses(node_pulses);
-        self.places[place].first / length * length
+        let (length, at) = (block_pulses(node_pulses), self.places[place].first);
+        let stays = self.generator.stays(at);
+        let latest = stays.end.saturating_sub(length).max(stays.start);
+        (at / length * length).clamp(stays.start, latest)
     }
 
     /// Deviations up at which the worst pulse and channel of the run lies.

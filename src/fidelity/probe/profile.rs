@@ -10,7 +10,7 @@
 //!
 //! A channel whose polarisation leaves with some pulses alone has the mean of all, as it is measured.
 
-use super::{ErrorSampler, MOST_OF_EXACT, PROFILE, Powers, spread_over};
+use super::{ErrorSampler, MOST_OF_EXACT, PROFILE, Powers, scattered_over, spread_over};
 use crate::paths::block::probe::{Keep, Shadows};
 use crate::radar::fault::RadarError;
 
@@ -35,7 +35,11 @@ impl ErrorSampler<'_> {
         let scans = self.generator.scans();
         let count = if scans { SCANS * PROFILE } else { PROFILE }.min(self.pulses);
         let mut found = Vec::new();
-        for (step, index) in spread_over(self.pulses, count, 1).enumerate() {
+        let spread: Vec<u64> = match scans {
+            true => scattered_over(self.pulses, count, 1).collect(),
+            false => spread_over(self.pulses, count, 1).collect(),
+        };
+        for (step, index) in spread.into_iter().enumerate() {
             found.push(self.profiled(index, (step == 0, count as f64))?);
         }
         let refined = !scans && self.refine(&mut found)?;

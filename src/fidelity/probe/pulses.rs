@@ -34,12 +34,24 @@ pub fn is_coarse(error_db: f64) -> bool {
     error_db >= COARSE_DB
 }
 
+/// The golden ratio less one: its multiples lie apart however many are taken.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+
 /// Numbers of `count` pulses about the middle of as many equal parts of a run, by turns at every place of a
 /// cycle of so many pulses.
 pub fn spread_over(pulses: u64, count: u64, cycle: u64) -> impl Iterator<Item = u64> {
     let middle = move |n: u64| u128::from(pulses) * u128::from(2 * n + 1) / u128::from(2 * count.max(1));
     let of_cycle = move |middle: u64, n: u64| middle - middle % cycle + n % cycle;
     (0..count).map(move |n| of_cycle(middle(n) as u64, n).min(pulses.saturating_sub(1)))
+}
+
+/// The same for beams that come round: no distance between two pulses is that of others, so that no period
+/// of a beam meets one direction alone.
+pub fn scattered_over(pulses: u64, count: u64, cycle: u64) -> impl Iterator<Item = u64> {
+    let part = pulses as f64 / count.max(1) as f64;
+    let within = move |n: u64| ((n as f64 + (n as f64 * GOLDEN).fract()) * part) as u64;
+    let of_cycle = move |at: u64, n: u64| at - at % cycle + n % cycle;
+    (0..count).map(move |n| of_cycle(within(n), n).min(pulses.saturating_sub(1)))
 }
 
 #[cfg(test)]
@@ -53,5 +65,15 @@ mod tests {
         let found: Vec<u64> = spread_over(128, 64, 2).collect();
         assert_eq!(found.iter().filter(|pulse| *pulse % 2 == 0).count(), 32);
         assert_eq!(spread_over(3, 3, 4).collect::<Vec<_>>(), [0, 1, 2]);
+    }
+
+    #[test]
+    fn no_period_of_a_beam_meets_one_direction_alone() {
+        // Five directions of 50 pulses, and parts of 250.
+        let mut met = [0; 5];
+        scattered_over(72_000, 288, 1).for_each(|pulse| met[(pulse / 50 % 5) as usize] += 1);
+        assert!(met.iter().all(|n| (50..65).contains(n)), "{met:?}");
+        assert!(scattered_over(72_000, 288, 1).is_sorted());
+        assert!(scattered_over(10, 10, 1).all(|pulse| pulse < 10));
     }
 }

@@ -100,9 +100,9 @@ use travelling::Part;
 use turning::Turning;
 
 /// Tiles of a patch of so many facets that are evaluated to learn what a block returns: one in five, as far
-/// as that is from 8 to 24.
-pub fn sampled_tiles(facets: usize) -> usize {
-    (facets / (5 * LANES)).clamp(8, 24)
+/// as that is from 8 to 24. Narrow beams of antennas that scan need more to be met.
+pub fn sampled_tiles(facets: usize, scans: bool) -> usize {
+    if scans { 48 } else { (facets / (5 * LANES)).clamp(8, 24) }
 }
 
 /// What is found as the reference finds it.
@@ -265,7 +265,7 @@ impl PathGenerator {
         work.part = Part::Still;
         // Runs of a sample lie too far apart for that.
         let wakes = std::mem::take(&mut work.wakes);
-        for runs in Cut::of(patch.facets).sample(sampled_tiles(patch.len())) {
+        for runs in Cut::of(patch.facets).sample(sampled_tiles(patch.len(), self.scans())) {
             facets += work.take(runs);
             self.evaluate_tile(sea, patch, work);
             for (number, (pair, sample)) in work.tile.pairs.iter().zip(&mut *samples).enumerate() {

@@ -151,7 +151,8 @@ impl EchoEngine for BlockEcho {
     fn needs(&self) -> Needs {
         // Replicas of the block at hand, spread over its pulses.
         let replicas = self.synth.replica_bytes() * self.synth.turns().min(self.length);
-        let pulse_bytes = self.synth.pulse_bytes() + replicas / self.length.max(1);
+        let of_joint = if self.joint.is_some() { self.synth.frequency_bytes() } else { 0 };
+        let pulse_bytes = self.synth.pulse_bytes() + (replicas + of_joint) / self.length.max(1);
         Needs { pulse_bytes, lists: NODES + 1, panel_pulses: self.pulses_of_panels() + 1 }
     }
 

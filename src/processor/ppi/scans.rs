@@ -2,8 +2,8 @@
 //!
 //! A **turn** ends where the antenna has come round once since the first pulse. A **sweep** ends where it
 //! turns back: at the farthest reading before it comes back by a quarter of the sector. A sweep of less than
-//! that at the ends of a recording is not counted. A beam that jumps **comes back**: to the side of its first
-//! reading from the other side of the sector.
+//! that at the ends of a recording is not counted. A beam that jumps **comes back** to its first
+//! direction.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -22,10 +22,7 @@ pub enum Motion {
         width_rad: f64,
     },
     /// It jumps from direction to direction.
-    Steps {
-        /// From the first to the last direction, rad.
-        width_rad: f64,
-    },
+    Steps,
 }
 
 /// A turn, a sweep of a sector, or a row of directions.
@@ -54,18 +51,31 @@ pub fn scans(motion: Motion, readings_rad: &[f64], times_s: &[f64], tolerance_ra
         _ if count == 0 => Vec::new(),
         Motion::Rotation { rate_rad_per_s } => turns(rate_rad_per_s, readings_rad, times_s, tolerance_rad),
         Motion::Sector { width_rad } => sweeps(width_rad, readings_rad, tolerance_rad),
-        Motion::Steps { width_rad } => rows(width_rad, readings_rad),
+        Motion::Steps => rows(readings_rad),
     }
 }
 
-fn rows(width_rad: f64, readings_rad: &[f64]) -> Vec<Scan> {
-    let (mut begins, mut is_far) = (vec![0], false);
+/// Half the way from the first direction of a beam that jumps to the nearest other one, rad. Readings in one
+/// direction differ by their noise: what they mostly differ by from pulse to pulse, if that is little.
+fn near_rad(readings_rad: &[f64]) -> f64 {
+    let apart = |a: f64, b: f64| wrapped(a - b).abs();
+    let mut steps: Vec<f64> = readings_rad.windows(2).map(|pair| apart(pair[1], pair[0])).collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    let [usual, most] = [steps.get(steps.len() / 2), steps.last()].map(|step| step.copied().unwrap_or(0.0));
+    let noise_rad = if 10.0 * usual < most { 5.0 * usual } else { 0.0 };
+    let others = readings_rad.iter().map(|reading| apart(*reading, readings_rad[0]));
+    0.5 * others.filter(|off| *off > noise_rad + 1e-9).reduce(f64::min).unwrap_or(PI)
+}
+
+fn rows(readings_rad: &[f64]) -> Vec<Scan> {
+    let near_rad = near_rad(readings_rad);
+    let (mut begins, mut was_away) = (vec![0], false);
     for (place, reading) in readings_rad.iter().enumerate() {
-        let off = wrapped(reading - readings_rad[0]).abs();
-        if is_far && off < 0.25 * width_rad {
+        let is_away = wrapped(reading - readings_rad[0]).abs() > near_rad;
+        if was_away && !is_away {
             begins.push(place);
         }
-        is_far = off > 0.5 * width_rad || (is_far && off >= 0.25 * width_rad);
+        was_away = is_away;
     }
     let whole = begins.windows(2).map(|pair| pair[1] - pair[0]).max();
     begins.push(readings_rad.len());
@@ -160,15 +170,28 @@ mod tests {
 
     #[test]
     fn a_beam_that_jumps_comes_back_to_its_first_direction() {
-        let law = ScanLaw::Steps {
-            directions_rad: (0..7).map(|n| [f64::from(n) * 0.1 - 0.3, 0.0]).collect(),
-            dwell_pulses: 5,
-            dwell_s: 0.05,
-        };
-        let (readings, times) = readings(&law, 90, 0.01);
-        let found = scans(Motion::Steps { width_rad: 0.6 }, &readings, &times, 0.0);
-        let row = |pulses: Range<usize>, is_whole| Scan { pulses, is_whole, is_clockwise: true };
-        assert_eq!(found, [row(0..35, true), row(35..70, true), row(70..90, false)]);
+        let degrees: [&[f64]; 5] = [
+            &[-30.0, -20.0, -10.0, 0.0, 10.0, 20.0, 30.0],
+            &[350.0, 355.0, 0.0, 5.0, 10.0, 15.0, 20.0],
+            &[0.0, 10.0, 20.0, 30.0, -30.0, -20.0, -10.0],
+            &[0.0, 51.0, 102.0, 153.0, 204.0, 255.0, 306.0],
+            &[5.0, -40.0, 12.0, 80.0, -3.0, 44.0, 29.0],
+        ];
+        for azimuths in degrees {
+            for dwell_pulses in [1, 5] {
+                let directions_rad = azimuths.iter().map(|az| [az.to_radians(), 0.0]).collect();
+                let dwell_s = 0.01 * dwell_pulses as f64;
+                let law = ScanLaw::Steps { directions_rad, dwell_pulses, dwell_s };
+                let all = 7 * dwell_pulses as usize;
+                let (readings, times) = readings(&law, 2 * all + all / 2, 0.01);
+                let found = scans(Motion::Steps, &readings, &times, 0.0);
+                let rows: Vec<_> = found.iter().map(|row| (row.pulses.clone(), row.is_whole)).collect();
+                let part = (2 * all..2 * all + all / 2, false);
+                assert_eq!(rows, [(0..all, true), (all..2 * all, true), part], "{azimuths:?}");
+            }
+        }
+        // One direction is one row.
+        assert_eq!(scans(Motion::Steps, &[0.1; 9], &[0.0; 9], 0.0).len(), 1);
     }
 
     #[test]

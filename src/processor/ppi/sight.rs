@@ -74,11 +74,12 @@ fn sight(header: &Header, instrument: &Instrument, channel: usize) -> Result<Sig
     let Look::Scan { level, rate_deg_per_s, sector_deg: [from, to], .. } = receiver.look else {
         return Err(PpiError::StandsStill { channel: row.name.clone(), receiver: row.receiver.clone() });
     };
-    let width_rad = (to - from).abs().to_radians();
-    let motion = match (from == to, rate_deg_per_s == 0.0) {
-        (false, false) => Motion::Sector { width_rad },
-        (false, true) => Motion::Steps { width_rad },
-        (true, _) => Motion::Rotation { rate_rad_per_s: rate_deg_per_s.to_radians() },
+    let motion = if rate_deg_per_s == 0.0 {
+        Motion::Steps
+    } else if from == to {
+        Motion::Rotation { rate_rad_per_s: rate_deg_per_s.to_radians() }
+    } else {
+        Motion::Sector { width_rad: (to - from).abs().to_radians() }
     };
     let wavelength_m = SPEED_OF_LIGHT_MPS / header.carrier_hz;
     let scanning = [transmitter, receiver].into_iter().filter(|end| matches!(end.look, Look::Scan { .. }));

@@ -33,6 +33,9 @@ struct OfSegments {
 }
 
 impl Frequencies {
+    /// What one of them may take, bytes: places and weights, and a factor by each middle.
+    pub const BYTES: usize = 72 + MIDDLES * size_of::<Complex64>();
+
     /// These, Hz.
     pub fn new(hz: Vec<f64>) -> Self {
         Self { hz, ..Self::default() }
@@ -63,10 +66,17 @@ impl Frequencies {
         });
         let known = factors.iter().position(|(of, _)| *of == middle);
         let at = known.unwrap_or_else(|| {
-            factors.truncate(MIDDLES - 1);
+            if factors.len() < MIDDLES {
+                factors.push((middle, Vec::new()));
+            }
+            // Of more, the last makes room.
+            let place = factors.len() - 1;
             let factor = |v: f64| phasor(-v * middle) * (response(v)[0] / rate_hz);
-            factors.push((middle, turns.map(factor).collect()));
-            factors.len() - 1
+            let (of, own) = &mut factors[place];
+            *of = middle;
+            own.clear();
+            own.extend(turns.map(factor));
+            place
         });
         Variant::fastest().run(Read { places, sum, factors: &factors[at].1, out });
     }
