@@ -71,7 +71,7 @@ fn pulses_of_an_unstable_transmitter_are_multiples() {
         let found = (sum / 400.0).sqrt();
         assert!((found / wanted - 1.0).abs() < 4.0 / 800f64.sqrt(), "{found} {wanted}");
     }
-    let early = [&unstable[..], &[("radar.prf_hz", "200e3")]].concat();
+    let early = [&unstable[..], &[("radar.prf_hz", "1e6")]].concat();
     let mut run = runs::scene(COASTAL, &early);
     run.scene.pulses = 100;
     let refused = build::stream(&run, 0..100).err().unwrap().to_string();
