@@ -91,12 +91,8 @@ impl PathGenerator {
             let moves = |pulse: &u64| placed_s(*pulse) != placed_s(pulse - 1);
             (block.start + 1..block.end).filter(|_| sea.moves()).filter(moves).for_each(&mut cut);
         }
-        for &dwell in &self.dwells {
-            [index / dwell, index / dwell + 1]
-                .map(|n| n.saturating_mul(dwell))
-                .into_iter()
-                .for_each(&mut cut);
-        }
+        let stays = self.stays(index);
+        [stays.start, stays.end].into_iter().for_each(&mut cut);
         for &(platform, lag_s) in &self.report_steered {
             let Some(changes) = self.tracks.get(platform).and_then(|of| of.reported.changes()) else {
                 continue;

@@ -3,8 +3,7 @@
 //! A breaker runs straight on, so that delay and matrix are as smooth as the flight of the antennas: both are
 //! cubics through the nodes. Gains, the breaker's envelope and its visibility are found at every pulse and
 //! multiply the amplitude; gains at three, where directions turn by less than `LOBE_SHARE` of a lobe: a
-//! parabola leaves some 1e-6 of the peak. A stretch is left to be made shorter, or
-//! exactly, where
+//! parabola leaves some 1e-6 of the peak. A stretch is left to be made shorter, or exactly, where
 //!
 //! - a direction turns by more than `TURN_RAD`, or by a tenth of what it is off the vertical, where H and V
 //!   turn with it: matrices are cubics within 1e-4 then;
